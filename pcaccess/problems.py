@@ -1,0 +1,144 @@
+"""What is wrong in a user's text: one type for project files and STL programs.
+
+A :class:`Problem` cannot be built without a registered code and a place, so every message says where. All
+problems of a text are collected and shown at once, in file order.
+
+Units:    lines, columns and lengths count characters from 1.
+Errors:   an unregistered code raises KeyError at once: that is our own mistake, not the user's.
+See:      ``docs/problems/CODE.md`` for a wrong and a right example of each code (a test runs both).
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass
+from enum import Enum
+from pathlib import Path
+from typing import Any
+
+
+class Severity(Enum):
+    ERROR = "error"
+    WARNING = "warning"
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Span:
+    """A piece of a file: ``length`` characters from ``line``:``column``."""
+
+    file: str
+    line: int
+    column: int
+    length: int = 1
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}:{self.column}"
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """A row of the register: what a code means, in one line, and how grave it is."""
+
+    title: str
+    severity: Severity = Severity.ERROR
+
+
+class Register:
+    """The codes of one family of problems; a package makes its own and keeps it frozen afterwards."""
+
+    def __init__(self, kinds: Mapping[str, Kind]) -> None:
+        self._kinds = dict(kinds)
+
+    def __getitem__(self, code: str) -> Kind:
+        return self._kinds[code]
+
+    def items(self) -> Iterable[tuple[str, Kind]]:
+        return self._kinds.items()
+
+    def problem(
+        self,
+        code: str,
+        span: Span,
+        message: str,
+        *,
+        expected: str = "",
+        nearest: str | None = None,
+        related: tuple[tuple[Span, str], ...] = (),
+        where: str = "",
+    ) -> Problem:
+        return Problem(code, self._kinds[code].severity, span, message, expected, nearest, related, where)
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One thing that is wrong. Build it with :meth:`Register.problem`."""
+
+    code: str
+    severity: Severity
+    span: Span
+    message: str
+    expected: str = ""
+    nearest: str | None = None
+    related: tuple[tuple[Span, str], ...] = ()
+    where: str = ""
+    """Where in the user's own terms, for example ``MAIN (OB1), network 3``."""
+
+    @property
+    def is_error(self) -> bool:
+        return self.severity is Severity.ERROR
+
+    def __str__(self) -> str:
+        """``items.yaml:12:18: PRJ004 unknown key 'adress'; expected one of …; did you mean 'address'?``"""
+        parts = [self.message]
+        if self.expected:
+            parts.append(f"expected {self.expected}")
+        if self.nearest:
+            parts.append(f"did you mean {self.nearest!r}?")
+        kind = "warning " if self.severity is Severity.WARNING else ""
+        where = f"{self.where}: " if self.where else ""
+        return f"{self.span}: {kind}{self.code} {where}{'; '.join(parts)}"
+
+    def as_json(self) -> dict[str, Any]:
+        data = asdict(self)
+        data["severity"] = self.severity.value
+        data["span"] = {key: value for key, value in asdict(self.span).items() if key != "file"}
+        data["file"] = self.span.file
+        data["related"] = [{"at": str(span), "message": text} for span, text in self.related]
+        return data
+
+
+class ProblemError(Exception):
+    """A text could not be used; ``problems`` holds everything that is wrong with it, in file order."""
+
+    def __init__(self, problems: Iterable[Problem]) -> None:
+        self.problems = sorted(problems, key=lambda p: (p.span, p.code))
+        super().__init__("\n".join(str(p) for p in self.problems))
+
+
+def nearest_word(word: str, words: Iterable[str]) -> str | None:
+    """The most similar of ``words``, without regard to case; None when nothing is close."""
+    by_folded = {w.casefold(): w for w in words}
+    close = difflib.get_close_matches(word.casefold(), by_folded, n=1, cutoff=0.6)
+    return by_folded[close[0]] if close else None
+
+
+def render(problem: Problem, text: str | None = None) -> str:
+    """The problem with its source line and a caret line, for people.
+
+    ``text``: the content of the file; read from disk when not given, left out when it cannot be read.
+    """
+    if text is None:
+        try:
+            text = Path(problem.span.file).read_text(encoding="utf-8", errors="replace")
+        except OSError:
+            return str(problem)
+    lines = text.splitlines()
+    if not 1 <= problem.span.line <= len(lines):
+        return str(problem)
+    source = lines[problem.span.line - 1].replace("\t", " ")
+    number = f"{problem.span.line:6d} | "
+    carets = " " * (problem.span.column - 1) + "^" * max(1, min(problem.span.length, len(source)))
+    shown = [str(problem), f"{number}{source}", f"{' ' * (len(number) - 2)}| {carets}"]
+    shown += [f"    {span}: {message}" for span, message in problem.related]
+    return "\n".join(shown)

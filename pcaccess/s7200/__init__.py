@@ -1,0 +1,1 @@
+"""What an S7-200 is: pure data and functions, no I/O."""
