@@ -29,7 +29,7 @@ _LAYOUT: Final = (
     (Area.SM, 552),  # 550 bytes, rounded up so that what follows is aligned
     (Area.V, 10240),
 )
-_ORDER: Final = {area: size for area, size in _LAYOUT}
+_ORDER: Final = dict(_LAYOUT)
 
 
 def _starts() -> dict[Area, int]:
