@@ -84,5 +84,5 @@ if ! .venv/bin/python -c 'import pip, sys; sys.exit(sys.prefix == sys.base_prefi
 fi
 rm -f .venv/.stamp-*
 say "installing pcaccess$extras into .venv (once; a minute or two)"
-.venv/bin/python -m pip install --disable-pip-version-check --quiet -c constraints.txt -e ".$extras"
+.venv/bin/python -m pip install --disable-pip-version-check --use-pep517 --quiet -c constraints.txt -e ".$extras"
 printf '%s\n' "$now" >".venv/.stamp-$need"
