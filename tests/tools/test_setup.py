@@ -73,7 +73,9 @@ def clone(tmp_path: Path) -> Clone:
 
 def test_run_installs_the_product_and_asks_for_no_system_package(clone: Clone) -> None:
     assert clone.setup("run").returncode == 0
-    assert clone.log() == ["pip -m pip install --disable-pip-version-check --use-pep517 --quiet -c constraints.txt -e ."]
+    (installed,) = clone.log()
+    assert installed.startswith("pip -m pip install ")
+    assert installed.endswith(" -c constraints.txt -e .")
 
 
 def test_a_second_call_does_nothing(clone: Clone) -> None:
