@@ -1,0 +1,353 @@
+"""The item table: the live sample of every item, in columns, already encoded for OPC UA.
+
+A row is a small integer. Each row's record lies in the block of its type (``records``); beside it stand the DA
+quality code and the number of its last change. Everything that reads samples (OPC UA, web, history) reads rows;
+everything that makes samples (links) writes rows in bulk. Nothing else keeps a value.
+
+Units:    times are OPC UA ticks (``ticks``); rows are NumPy ``int64`` arrays or plain ints.
+Errors:   ``add`` raises KeyError for an ID that exists (in any case); rows that were removed must not be used.
+Not here: bytes of a PLC to values (``image``), access rules (``pcaccess.gateway``).
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pcaccess.items.quality import Limit, Quality, split_code
+from pcaccess.items.records import ALL_KINDS, KINDS, MASK_ALL, MASK_VALUE, NULL_VARIANT, OBJECT_KIND, VARIANT_TYPES
+from pcaccess.items.sample import ItemValue, Sample
+from pcaccess.items.ticks import from_ticks
+from pcaccess.s7200.types import DataType, Value
+
+Rows = NDArray[np.int64]
+Listener = Callable[[Rows], None]
+
+_ARRAY_FLAG: Final = 0x80
+_FIRST_CAPACITY: Final = 64
+
+
+def as_rows(rows: int | Iterable[int] | Rows) -> Rows:
+    """Rows in the form the table works with."""
+    if isinstance(rows, np.ndarray):
+        return rows
+    return np.fromiter((rows,) if isinstance(rows, int) else rows, dtype=np.int64)
+
+
+def encode_variant(data_type: DataType, value: ItemValue) -> bytes:
+    """An OPC UA Variant of a string or an array (``list``); used for rows without a fixed record."""
+    variant = VARIANT_TYPES[data_type]
+    if isinstance(value, list):
+        head = struct.pack("<Bi", variant | _ARRAY_FLAG, len(value))
+        return head + b"".join(_encode_plain(data_type, v) for v in value)
+    return bytes((variant,)) + _encode_plain(data_type, value)
+
+
+def _encode_plain(data_type: DataType, value: Value) -> bytes:
+    if data_type is DataType.STRING:
+        raw = str(value).encode()
+        return struct.pack("<i", len(raw)) + raw
+    return np.array(value, dtype=KINDS[data_type].value_format).tobytes()
+
+
+class ItemTable:
+    """Columns of all items. Not thread-safe: it belongs to the gateway's event loop."""
+
+    def __init__(self, now: int) -> None:
+        """``now``: ticks; the time of rows nobody has read yet."""
+        self._born = now
+        self._blocks: list[NDArray[Any]] = [np.zeros(0, kind.dtype) for kind in ALL_KINDS]
+        self._used = [0] * len(ALL_KINDS)
+        self._free: list[list[int]] = [[] for _ in ALL_KINDS]
+        self._objects: list[bytes] = []
+        self._object_values: list[ItemValue | None] = []
+        self._kind = np.zeros(0, np.uint8)
+        self._place = np.zeros(0, np.int64)
+        self._quality = np.zeros(0, np.uint16)
+        self._changed = np.zeros(0, np.int64)
+        self._types: list[DataType | None] = []
+        self._counts: dict[int, int] = {}
+        self._ids: list[str] = []
+        self._rows: dict[str, int] = {}
+        self._free_rows: list[int] = []
+        self._listeners: list[Listener] = []
+        self.counter = 0
+        """Number of the last change of anything; a row's own number is in :meth:`changed`."""
+        self.generation = 0
+        """Grows whenever rows go, come, or move: whoever keeps places of records must look them up again."""
+
+    # ------------------------------------------------------------------ rows
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    def add(self, item_id: str, data_type: DataType, count: int = 1) -> int:
+        """A new row, WAITING_FOR_INITIAL_DATA until its first sample."""
+        return int(self.add_many([(item_id, data_type, count)])[0])
+
+    def add_many(self, items: Sequence[tuple[str, DataType, int]]) -> Rows:
+        """A new row for each ``(ID, type, element count)``; nothing is added when one of the IDs exists."""
+        keys = [item_id.casefold() for item_id, _, _ in items]
+        if len(set(keys)) != len(keys) or not self._rows.keys().isdisjoint(keys):
+            raise KeyError(f"exists already: {self._first_taken(keys)}")
+        rows = self._take_rows(len(items))
+        by_kind: dict[int, list[int]] = {}
+        for (item_id, data_type, count), key, row in zip(items, keys, rows.tolist(), strict=True):
+            fixed = count == 1 and data_type is not DataType.STRING
+            by_kind.setdefault(KINDS[data_type].index if fixed else OBJECT_KIND.index, []).append(row)
+            self._types[row], self._ids[row], self._rows[key] = data_type, item_id, row
+            if count != 1:
+                self._counts[row] = count
+        for kind, members in by_kind.items():
+            self._place_rows(kind, np.array(members, np.int64))
+        self._quality[rows] = Quality.WAITING_FOR_INITIAL_DATA.code
+        self.counter += 1
+        self._changed[rows] = self.counter
+        self.generation += 1
+        return rows
+
+    def _first_taken(self, keys: list[str]) -> str:
+        seen: set[str] = set()
+        for key in keys:
+            if key in self._rows or key in seen:
+                return key
+            seen.add(key)
+        return ""
+
+    def _place_rows(self, kind: int, rows: Rows) -> None:
+        places = self._take_places(kind, len(rows))
+        self._kind[rows], self._place[rows] = kind, places
+        block = self._blocks[kind]
+        block["status"][places] = Quality.WAITING_FOR_INITIAL_DATA.status()
+        block["source"][places] = block["server"][places] = self._born
+        if kind == OBJECT_KIND.index:
+            block["mask"][places] = MASK_ALL & ~MASK_VALUE
+            for place in places.tolist():
+                self._objects[place], self._object_values[place] = NULL_VARIANT, None
+        else:
+            block["mask"][places] = MASK_ALL
+            block["type"][places] = ALL_KINDS[kind].variant_type
+            block["value"][places] = 0
+
+    def add_alias(self, name: str, row: int) -> None:
+        """Another name for a row, for example its run-time name."""
+        self._rows.setdefault(name.casefold(), row)
+
+    def remove(self, rows: Iterable[int]) -> None:
+        """Forget rows; their numbers may be given to later items."""
+        gone = {int(r) for r in rows}
+        for row in gone:
+            kind, place = int(self._kind[row]), int(self._place[row])
+            self._free[kind].append(place)
+            if kind == OBJECT_KIND.index:
+                self._objects[place], self._object_values[place] = NULL_VARIANT, None
+            self._types[row], self._ids[row] = None, ""
+            self._counts.pop(row, None)
+        self._free_rows.extend(gone)
+        self._rows = {name: row for name, row in self._rows.items() if row not in gone}
+        self.generation += 1
+
+    def find(self, name: str) -> int | None:
+        """Row of an ID or alias, without regard to case."""
+        return self._rows.get(name.casefold())
+
+    def item_id(self, row: int) -> str:
+        """The ID as written; empty for a removed row."""
+        return self._ids[row]
+
+    def data_type(self, row: int) -> DataType:
+        data_type = self._types[row]
+        if data_type is None:
+            raise KeyError(f"row {row} was removed")
+        return data_type
+
+    def count(self, row: int) -> int:
+        """Elements of an array row, 1 for others."""
+        return self._counts.get(row, 1)
+
+    def _take_rows(self, number: int) -> Rows:
+        reused = [self._free_rows.pop() for _ in range(min(number, len(self._free_rows)))]
+        first, fresh = len(self._ids), number - len(reused)
+        if first + fresh > len(self._kind):
+            size = max(_FIRST_CAPACITY, 2 * len(self._kind), first + fresh)
+            self._kind = _grown(self._kind, size)
+            self._place = _grown(self._place, size)
+            self._quality = _grown(self._quality, size)
+            self._changed = _grown(self._changed, size)
+        self._ids.extend([""] * fresh)
+        self._types.extend([None] * fresh)
+        return np.array([*reused, *range(first, first + fresh)], np.int64)
+
+    def _take_places(self, kind: int, number: int) -> NDArray[np.int64]:
+        free = self._free[kind]
+        reused = [free.pop() for _ in range(min(number, len(free)))]
+        first, fresh = self._used[kind], number - len(reused)
+        if first + fresh > len(self._blocks[kind]):
+            size = max(_FIRST_CAPACITY, 2 * len(self._blocks[kind]), first + fresh)
+            self._blocks[kind] = _grown(self._blocks[kind], size)
+        self._used[kind] += fresh
+        if kind == OBJECT_KIND.index:
+            self._objects.extend([NULL_VARIANT] * fresh)
+            self._object_values.extend([None] * fresh)
+        return np.array([*reused, *range(first, first + fresh)], np.int64)
+
+    # ------------------------------------------------------------------ reading
+
+    def sample(self, row: int) -> Sample:
+        """The live sample of one row."""
+        kind, place = int(self._kind[row]), int(self._place[row])
+        record = self._blocks[kind][place]
+        quality, limit = split_code(int(self._quality[row]))
+        return Sample(self._value(row, kind, place), quality, from_ticks(int(record["source"])), limit)
+
+    def _value(self, row: int, kind: int, place: int) -> ItemValue:
+        if kind == OBJECT_KIND.index:
+            value = self._object_values[place]
+            if value is not None:
+                return value
+            return "" if self.count(row) == 1 else []
+        plain = self._blocks[kind][place]["value"].item()
+        return bool(plain) if self._types[row] is DataType.BOOL else plain
+
+    def quality_code(self, row: int) -> int:
+        """DA code with limit bits."""
+        return int(self._quality[row])
+
+    def is_not_good(self, rows: Rows) -> NDArray[np.bool_]:
+        """Which rows have another quality than GOOD without limit bits."""
+        bad: NDArray[np.bool_] = self._quality[rows] != Quality.GOOD.code
+        return bad
+
+    def encoded(self, row: int) -> tuple[bytes, int, int, int]:
+        """Encoded variant (empty when there is no value yet), StatusCode, source and server ticks of one row."""
+        kind, place = int(self._kind[row]), int(self._place[row])
+        record = self._blocks[kind][place]
+        if kind == OBJECT_KIND.index:
+            variant = self._objects[place] if record["mask"] & MASK_VALUE else b""
+        else:
+            variant = bytes((record["type"],)) + record["value"].tobytes()
+        return variant, int(record["status"]), int(record["source"]), int(record["server"])
+
+    def changed(self, rows: Rows) -> NDArray[np.int64]:
+        """Number of the last change of value or status of each row; compare with a remembered ``counter``."""
+        return self._changed[rows]
+
+    def source_ticks(self, rows: Rows) -> NDArray[np.int64]:
+        """Source time of each row."""
+        ticks = np.empty(len(rows), np.int64)
+        for kind, at in self._by_kind(rows):
+            ticks[at] = self._blocks[kind]["source"][self._place[rows[at]]]
+        return ticks
+
+    def places(self, rows: Rows) -> tuple[NDArray[np.uint8], NDArray[np.int64]]:
+        """Kind index and place in the kind's block of each row, for readers of :meth:`block`."""
+        return self._kind[rows], self._place[rows]
+
+    def block(self, kind: int) -> NDArray[Any]:
+        """Records of one kind; replaced by a larger array when ``generation`` grows."""
+        return self._blocks[kind]
+
+    def object_variant(self, place: int) -> bytes:
+        """Encoded variant of a string or array at ``place`` of the object block."""
+        return self._objects[place]
+
+    # ------------------------------------------------------------------ writing
+
+    def listen(self, listener: Listener) -> Callable[[], None]:
+        """Call ``listener`` with the rows whose value or status changed; returns what ends that."""
+        self._listeners.append(listener)
+        return lambda: self._listeners.remove(listener)
+
+    def put_numbers(self, data_type: DataType, rows: Rows, values: NDArray[Any], now: int) -> None:
+        """Good samples of single values of one type, in bulk.
+
+        ``values`` has the type's NumPy format; ``rows`` are all of ``data_type``.
+        """
+        if not len(rows):
+            return
+        kind = KINDS[data_type].index
+        places = self._place[rows]
+        block = self._blocks[kind]
+        differs = block["value"][places] != values
+        if data_type is DataType.REAL:  # NaN is not equal to itself, and must not report for ever
+            differs &= ~(np.isnan(values) & np.isnan(block["value"][places]))
+        block["value"][places] = values
+        self._finish(rows, differs, places, block, now)
+
+    def put_object(self, row: int, value: ItemValue, now: int) -> None:
+        """A good sample of a string or an array."""
+        place = int(self._place[row])
+        block = self._blocks[OBJECT_KIND.index]
+        differs = self._object_values[place] != value
+        if differs:
+            self._objects[place] = encode_variant(self.data_type(row), value)
+            self._object_values[place] = value
+            block["mask"][place] = MASK_ALL
+        self._finish(as_rows(row), np.array([differs]), as_rows(place), block, now)
+
+    def put(self, row: int, value: ItemValue, now: int) -> None:
+        """A good sample of any row; ``value`` must fit its type."""
+        if self._kind[row] == OBJECT_KIND.index:
+            self.put_object(row, value, now)
+        else:
+            data_type = self.data_type(row)
+            self.put_numbers(data_type, as_rows(row), np.array([value], dtype=KINDS[data_type].value_format), now)
+
+    def _finish(
+        self, rows: Rows, differs: NDArray[np.bool_], places: NDArray[np.int64], block: NDArray[Any], now: int
+    ) -> None:
+        block["source"][places] = now
+        block["server"][places] = now
+        differs = differs | (self._quality[rows] != Quality.GOOD.code)
+        if differs.any():
+            changed = rows[differs]
+            block["status"][places[differs]] = Quality.GOOD.status()
+            self._quality[changed] = Quality.GOOD.code
+            self._report(changed)
+
+    def stamp(self, rows: Rows, now: int) -> None:
+        """The PLC was read and nothing changed: only the times of these rows move."""
+        for kind, at in self._by_kind(rows):
+            places = self._place[rows[at]]
+            self._blocks[kind]["source"][places] = now
+            self._blocks[kind]["server"][places] = now
+
+    def set_quality(self, rows: Rows, quality: Quality, now: int, limit: Limit = Limit.NONE) -> None:
+        """Set a quality; value and source time stay, only the server time moves."""
+        code, status = quality.code | limit, quality.status(limit)
+        for kind, at in self._by_kind(rows):
+            places = self._place[rows[at]]
+            self._blocks[kind]["server"][places] = now
+            self._blocks[kind]["status"][places] = status
+        changed = rows[self._quality[rows] != code]
+        if len(changed):
+            self._quality[changed] = code
+            self._report(changed)
+
+    def _report(self, rows: Rows) -> None:
+        self.counter += 1
+        self._changed[rows] = self.counter
+        for listener in tuple(self._listeners):
+            listener(rows)
+
+    def _by_kind(self, rows: Rows) -> Iterable[tuple[int, Any]]:
+        """``(kind, selection)`` pairs that together cover ``rows``; the common case of one kind costs no copy."""
+        if not len(rows):
+            return
+        kinds = self._kind[rows]
+        first = int(kinds[0])
+        if (kinds == first).all():
+            yield first, slice(None)
+            return
+        for kind in np.unique(kinds):
+            yield int(kind), np.flatnonzero(kinds == kind)
+
+
+def _grown(column: NDArray[Any], size: int) -> NDArray[Any]:
+    larger = np.zeros(size, column.dtype)
+    larger[: len(column)] = column
+    return larger
