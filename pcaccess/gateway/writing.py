@@ -1,0 +1,83 @@
+"""A client's value to the bytes a PLC takes: access, type, engineering limits, scaling, range.
+
+Errors:   :class:`WriteRefused` carries the outcome; nothing has been written then.
+"""
+
+from __future__ import annotations
+
+import math
+
+from pcaccess.items.image import Linear
+from pcaccess.items.sample import ItemValue
+from pcaccess.links.base import Outcome, RawWrite
+from pcaccess.project.model import Access, Item, Scaling, WriteLimits
+from pcaccess.s7200.address import Address
+from pcaccess.s7200.types import DataType, Value, ValueRangeError, ValueTypeError
+
+
+class WriteRefused(Exception):
+    """The value cannot be written; ``outcome`` says why, the message says it in words."""
+
+    def __init__(self, outcome: Outcome, message: str) -> None:
+        super().__init__(message)
+        self.outcome = outcome
+
+
+def linear(scaling: Scaling | None) -> Linear | None:
+    """The item table's form of a project's scaling."""
+    if scaling is None:
+        return None
+    return Linear(scaling.raw_low, scaling.raw_high, scaling.scaled_low, scaling.scaled_high, scaling.clamp)
+
+
+def raw_write(item: Item, value: ItemValue) -> RawWrite:
+    """What to send to the PLC so that ``item`` reads ``value``; raises WriteRefused."""
+    if not item.access & Access.W:
+        raise WriteRefused(Outcome.NOT_WRITABLE, f"{item.item_id} is read-only")
+    address = item.address
+    if not isinstance(address, Address):
+        raise WriteRefused(Outcome.NOT_WRITABLE, f"{item.item_id} is simulated and cannot be written")
+    values = value if isinstance(value, list) else [value]
+    if isinstance(value, list) != (address.count != 1) or len(values) != address.count:
+        raise WriteRefused(Outcome.TYPE_MISMATCH, f"{item.item_id} takes {_shape(address.count)}")
+    try:
+        data = b"".join(_encode(item, v) for v in values)
+    except ValueTypeError as error:
+        raise WriteRefused(Outcome.TYPE_MISMATCH, f"{item.item_id}: {error}") from None
+    except ValueRangeError as error:
+        raise WriteRefused(Outcome.OUT_OF_RANGE, f"{item.item_id}: {error}") from None
+    return RawWrite(address, item.raw_type, data)
+
+
+def _shape(count: int) -> str:
+    return "one value" if count == 1 else f"{count} values"
+
+
+def _encode(item: Item, value: Value) -> bytes:
+    if not isinstance(value, str):
+        value = _within_limits(item, value)
+        line = linear(item.scaling)
+        if line is not None:
+            value = _to_raw(item, line, float(value))
+    if item.raw_type is not DataType.STRING:
+        return item.raw_type.encode(value)
+    raw = item.raw_type.encode(value, length=item.length)
+    many = isinstance(item.address, Address) and item.address.count > 1
+    return raw.ljust(1 + item.length, b"\x00") if many else raw
+
+
+def _within_limits(item: Item, value: float) -> float:
+    if item.write_limits is WriteLimits.NONE or item.low is None or item.high is None:
+        return value
+    if item.low <= value <= item.high:
+        return value
+    if item.write_limits is WriteLimits.CLAMP and not math.isnan(value):
+        return type(value)(min(max(value, item.low), item.high))
+    raise WriteRefused(Outcome.OUT_OF_RANGE, f"{item.item_id} takes {item.low:g} to {item.high:g}, not {value:g}")
+
+
+def _to_raw(item: Item, line: Linear, value: float) -> float:
+    if not math.isfinite(value):
+        raise WriteRefused(Outcome.OUT_OF_RANGE, f"{item.item_id}: {value} has no raw value")
+    raw = line.raw(value)
+    return raw if item.raw_type is DataType.REAL else float(round(raw))

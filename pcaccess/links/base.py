@@ -1,0 +1,61 @@
+"""What a link is to the gateway: it fetches memory, takes writes, and says how its PLCs are doing.
+
+Failure is data: a dead PLC costs its own items, never an exception. ``Station`` is a PLC as a link knows it, by its
+``Link.PLC`` name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import Protocol
+
+from pcaccess.items.quality import Quality
+from pcaccess.s7200.address import Address
+from pcaccess.s7200.types import DataType
+
+
+class Outcome(Enum):
+    """What became of a write. Every write has exactly one."""
+
+    DONE = "done"
+    NOT_WRITABLE = "not writable"
+    TYPE_MISMATCH = "type does not match"
+    OUT_OF_RANGE = "out of range"
+    CONFIG_ERROR = "configuration error"
+    NOT_CONNECTED = "not connected"
+    COMM_FAILURE = "no communication"
+    DEVICE_FAILURE = "device failure"
+
+
+@dataclass(frozen=True, slots=True)
+class RawWrite:
+    """Bytes for one place, as they stand in PLC memory; for BOOL one byte, 0 or 1, per element."""
+
+    address: Address
+    raw_type: DataType
+    data: bytes
+
+
+class Sink(Protocol):
+    """Where a link puts what it learns. Both calls are cheap enough for every scan."""
+
+    def received(self, station: str, data: bytes | bytearray | memoryview, start: int = 0) -> None:
+        """``data`` was read from the station; it stands at ``start`` of the flat image."""
+
+    def lost(self, station: str, quality: Quality) -> None:
+        """The station's items keep value and time and take ``quality``."""
+
+
+class Link(Protocol):
+    """One way to reach PLCs."""
+
+    def start(self) -> None:
+        """Hand the sink what is known without waiting; called once, before :meth:`run`."""
+
+    async def run(self) -> None:
+        """Own ports and tasks; ends only by cancellation."""
+
+    async def write(self, station: str, writes: Sequence[RawWrite]) -> list[Outcome]:
+        """Carry writes out, in order; returns when the PLC has taken or refused each."""
