@@ -16,14 +16,23 @@ SYSTEM: Final = 3
 
 
 def item_node(item_id: str) -> ua.NodeId:
-    return ua.NodeId(item_id, ITEMS)
+    return _string_node(item_id, ITEMS)
 
 
 def system_node(owner: str, name: str) -> ua.NodeId:
     """``MicroWin.NewPLC.Temperature/Quality``."""
-    return ua.NodeId(f"{owner}/{name}", SYSTEM)
+    return _string_node(f"{owner}/{name}", SYSTEM)
 
 
 def standard(number: int) -> ua.NodeId:
     """A node of the OPC UA namespace."""
-    return ua.NodeId(number, 0)
+    return ua.NodeId(ua.Int32(number), ua.Int16(0))
+
+
+def _string_node(identifier: str, namespace: int) -> ua.NodeId:
+    return ua.NodeId(ua.String(identifier), ua.Int16(namespace))
+
+
+def name_in(name: str, namespace: int) -> ua.QualifiedName:
+    """A browse name."""
+    return ua.QualifiedName(ua.String(name), ua.UInt16(namespace))

@@ -14,11 +14,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from asyncua import ua
-from asyncua.ua import ObjectIds
+from asyncua.ua.object_ids import ObjectIds
 
 from pcaccess.gateway.gateway import Gateway
-from pcaccess.opcua.ids import ITEMS, SYSTEM, item_node, standard, system_node
-from pcaccess.opcua.values import access_level, count_of, data_type_node, value_of
+from pcaccess.opcua.ids import ITEMS, SYSTEM, item_node, name_in, standard, system_node
+from pcaccess.opcua.values import access_level, count_of, data_type_node, data_value, times_of, value_of
 from pcaccess.project.model import Folder, Item, Link, Plc
 from pcaccess.s7200.address import Address
 
@@ -150,7 +150,7 @@ class Space:
         kind = ObjectIds.BaseObjectType if branch.kind == "plc" else ObjectIds.FolderType
         return Entry(
             item_node(branch.path),
-            ua.QualifiedName(branch.name, ITEMS),
+            name_in(branch.name, ITEMS),
             ua.NodeClass.Object,
             kind,
             references,
@@ -171,7 +171,7 @@ class Space:
         count = count_of(item)
         return Entry(
             item_node(item.item_id),
-            ua.QualifiedName(item.name, ITEMS),
+            name_in(item.name, ITEMS),
             ua.NodeClass.Variable,
             ObjectIds.AnalogItemType if ranged else ObjectIds.DataItemType,
             references,
@@ -202,24 +202,23 @@ class Space:
         if found == "Quality":
 
             def value() -> ua.DataValue:
-                dv = value_of(self._gateway, row)
                 code = ua.Variant(self._gateway.table.quality_code(row) & 0xFC, ua.VariantType.UInt16)
-                return ua.DataValue(code, ua.StatusCode(), dv.SourceTimestamp, dv.ServerTimestamp)
+                return data_value(code, *times_of(self._gateway, row))
 
-            data_type = ua.NodeId(ObjectIds.UInt16)
+            data_type = standard(ObjectIds.UInt16)
         else:
             content, data_type = _constant(item, found)
 
             def value() -> ua.DataValue:
                 now = self._gateway.clock.now()
-                return ua.DataValue(content, ua.StatusCode(), now, now)
+                return data_value(content, now, now)
 
         def references() -> Iterator[Reference]:
             yield Reference(ObjectIds.HasProperty, item_node(item.item_id), forward=False)
 
         return Entry(
             system_node(item.item_id, found),
-            ua.QualifiedName(found, namespace),
+            name_in(found, namespace),
             ua.NodeClass.Variable,
             ObjectIds.PropertyType,
             references,
@@ -235,19 +234,19 @@ class Space:
 
         def value() -> ua.DataValue:
             now = self._gateway.clock.now()
-            return ua.DataValue(ua.Variant(read(self._gateway, branch.path), kind), ua.StatusCode(), now, now)
+            return data_value(ua.Variant(read(self._gateway, branch.path), kind), now, now)
 
         def references() -> Iterator[Reference]:
             yield Reference(ObjectIds.HasComponent, item_node(branch.path), forward=False)
 
         return Entry(
             system_node(branch.path, found),
-            ua.QualifiedName(found, SYSTEM),
+            name_in(found, SYSTEM),
             ua.NodeClass.Variable,
             ObjectIds.BaseDataVariableType,
             references,
             value=value,
-            data_type=ua.NodeId(kind.value),
+            data_type=standard(kind.value),
         )
 
 
@@ -273,17 +272,19 @@ def properties_of(item: Item) -> list[str]:
 
 def _constant(item: Item, name: str) -> tuple[ua.Variant, ua.NodeId]:
     if name == "EURange":
-        return ua.Variant(ua.Range(item.low, item.high)), ua.NodeId(ObjectIds.Range)
+        return ua.Variant(ua.Range(ua.Double(item.low or 0.0), ua.Double(item.high or 0.0))), standard(ObjectIds.Range)
     if name == "EngineeringUnits":
-        unit = ua.LocalizedText(item.unit)
-        info = ua.EUInformation(NamespaceUri="urn:pcaccess:units", UnitId=-1, DisplayName=unit, Description=unit)
-        return ua.Variant(info), ua.NodeId(ObjectIds.EUInformation)
+        unit = ua.LocalizedText(ua.String(item.unit))
+        info = ua.EUInformation(
+            NamespaceUri=ua.String("urn:pcaccess:units"), UnitId=ua.Int32(-1), DisplayName=unit, Description=unit
+        )
+        return ua.Variant(info), standard(ObjectIds.EUInformation)
     text = {
         "Address": str(item.address),
         "RunTimeName": item.run_time_name,
         "Definition": _definition(item),
     }[name]
-    return ua.Variant(text, ua.VariantType.String), ua.NodeId(ObjectIds.String)
+    return ua.Variant(text, ua.VariantType.String), standard(ObjectIds.String)
 
 
 def _definition(item: Item) -> str:

@@ -2,29 +2,32 @@
 
 from __future__ import annotations
 
+from datetime import datetime
 from types import MappingProxyType
 from typing import Final
 
 from asyncua import ua
+from asyncua.ua.status_codes import StatusCodes
 
 from pcaccess.gateway.gateway import Gateway
 from pcaccess.items.records import VARIANT_TYPES
 from pcaccess.items.sample import ItemValue, Sample
 from pcaccess.items.ticks import from_ticks
 from pcaccess.links.base import Outcome
+from pcaccess.opcua.ids import standard
 from pcaccess.project.model import Access, Item
 from pcaccess.s7200.types import DataType
 
 WRITE_STATUS: Final = MappingProxyType(
     {
-        Outcome.DONE: ua.StatusCodes.Good,
-        Outcome.NOT_WRITABLE: ua.StatusCodes.BadNotWritable,
-        Outcome.TYPE_MISMATCH: ua.StatusCodes.BadTypeMismatch,
-        Outcome.OUT_OF_RANGE: ua.StatusCodes.BadOutOfRange,
-        Outcome.CONFIG_ERROR: ua.StatusCodes.BadConfigurationError,
-        Outcome.NOT_CONNECTED: ua.StatusCodes.BadNotConnected,
-        Outcome.COMM_FAILURE: ua.StatusCodes.BadNoCommunication,
-        Outcome.DEVICE_FAILURE: ua.StatusCodes.BadDeviceFailure,
+        Outcome.DONE: StatusCodes.Good,
+        Outcome.NOT_WRITABLE: StatusCodes.BadNotWritable,
+        Outcome.TYPE_MISMATCH: StatusCodes.BadTypeMismatch,
+        Outcome.OUT_OF_RANGE: StatusCodes.BadOutOfRange,
+        Outcome.CONFIG_ERROR: StatusCodes.BadConfigurationError,
+        Outcome.NOT_CONNECTED: StatusCodes.BadNotConnected,
+        Outcome.COMM_FAILURE: StatusCodes.BadNoCommunication,
+        Outcome.DEVICE_FAILURE: StatusCodes.BadDeviceFailure,
     }
 )
 
@@ -34,7 +37,7 @@ def variant_type(data_type: DataType) -> ua.VariantType:
 
 
 def data_type_node(data_type: DataType) -> ua.NodeId:
-    return ua.NodeId(VARIANT_TYPES[data_type], 0)
+    return standard(VARIANT_TYPES[data_type])
 
 
 def access_level(access: Access) -> int:
@@ -55,9 +58,21 @@ def value_of(gateway: Gateway, row: int) -> ua.DataValue:
     """The live sample of a row with status and both times."""
     sample: Sample = gateway.table.sample(row)
     known, _, _, server = gateway.table.encoded(row)
+    value = variant(gateway.table.data_type(row), sample.value) if known else None
+    return data_value(value, sample.time, from_ticks(server), sample.status)
+
+
+def data_value(value: ua.Variant | None, source: datetime, server: datetime, status: int = 0) -> ua.DataValue:
+    """A DataValue with status and both times."""
     return ua.DataValue(
-        variant(gateway.table.data_type(row), sample.value) if known else None,
-        ua.StatusCode(ua.UInt32(sample.status)),
-        sample.time,
-        from_ticks(server),
+        value,
+        ua.StatusCode(ua.UInt32(status)),
+        source,  # type: ignore[arg-type]
+        server,  # type: ignore[arg-type]
     )
+
+
+def times_of(gateway: Gateway, row: int) -> tuple[datetime, datetime]:
+    """Source and server time of a row."""
+    _, _, source, server = gateway.table.encoded(row)
+    return from_ticks(source), from_ticks(server)

@@ -67,6 +67,11 @@ class DataType(Enum):
         return self not in (DataType.BOOL, DataType.REAL, DataType.STRING)
 
     @property
+    def is_numeric(self) -> bool:
+        """Integers and REAL: what dead bands and engineering limits make sense for."""
+        return self not in (DataType.BOOL, DataType.STRING)
+
+    @property
     def low(self) -> int:
         """Smallest value of an integer type; 0 for others."""
         return self.value.low

@@ -1,0 +1,79 @@
+"""The OPC UA server of a gateway: start, stop, where it listens."""
+
+from __future__ import annotations
+
+import errno
+from urllib.parse import urlsplit
+
+from pcaccess import __version__
+from pcaccess.gateway.gateway import Gateway
+from pcaccess.opcua.asyncua_server import GatewayServer
+from pcaccess.opcua.ids import APPLICATION_URI, ITEMS, ITEMS_URI, SYSTEM, SYSTEM_URI
+
+LOOPBACK = ("127.0.0.1", "localhost", "::1")
+
+
+class EndpointError(Exception):
+    """The endpoint cannot be served; the message says which and what to do."""
+
+
+class OpcUaServer:
+    """Serves a gateway's items. ``endpoint``: ``opc.tcp://127.0.0.1:4840/pcaccess``; port 0 takes a free one."""
+
+    def __init__(self, gateway: Gateway, endpoint: str | None = None) -> None:
+        self._gateway = gateway
+        self._endpoint = endpoint or gateway.project.server.endpoint
+        self._server = GatewayServer(gateway)
+        self._port = 0
+
+    @property
+    def url(self) -> str:
+        """Where clients find it, with the port that was taken."""
+        parts = urlsplit(self._endpoint)
+        return parts._replace(netloc=f"{parts.hostname}:{self._port}").geturl()
+
+    @property
+    def port(self) -> int:
+        return self._port
+
+    def watched_rows(self) -> set[int]:
+        """Rows that clients are subscribed to."""
+        return self._server.internal.subscription_service.watched_rows()
+
+    async def start(self) -> None:
+        """Listen; raises EndpointError for an endpoint that cannot be used."""
+        parts = urlsplit(self._endpoint)
+        host, port = parts.hostname or "127.0.0.1", 4840 if parts.port is None else parts.port
+        if host not in LOOPBACK:
+            raise EndpointError(
+                f"{self._endpoint}: only this machine may connect until users and certificates exist; "
+                "use opc.tcp://127.0.0.1:4840/pcaccess"
+            )
+        server = self._server
+        server.set_endpoint(self._endpoint)
+        await server.init()
+        for index, uri in ((ITEMS, ITEMS_URI), (SYSTEM, SYSTEM_URI)):
+            if await server.register_namespace(uri) != index:
+                raise EndpointError(f"namespace {uri} did not get index {index}")
+        await server.set_build_info(
+            APPLICATION_URI, "pcaccess", "pcaccess", __version__, __version__, self._gateway.clock.now()
+        )
+        server.internal.refresh_roots()
+        self._gateway.on_structure(self._structure_changed)
+        try:
+            self._port = await server.listen(host, port)
+        except OSError as error:
+            if error.errno == errno.EADDRINUSE:
+                raise EndpointError(
+                    f"port {port} on {host} is in use; stop the other program or choose another port under "
+                    "server: endpoint: in the project file"
+                ) from None
+            raise EndpointError(f"cannot listen on {host}:{port}: {error.strerror}") from None
+
+    def _structure_changed(self) -> None:
+        self._server.space.rebuild()
+        self._server.internal.refresh_roots()
+
+    async def stop(self) -> None:
+        """Close connections and stop; harmless when it never started."""
+        await self._server.stop()
