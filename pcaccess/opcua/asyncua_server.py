@@ -16,7 +16,7 @@ import secrets
 from collections.abc import Callable
 from typing import Any, Final
 
-from asyncua import Server, ua
+from asyncua import ua
 from asyncua.common.connection import TransportLimits
 from asyncua.common.utils import ServiceError
 from asyncua.crypto.permission_rules import User, UserRole
@@ -25,6 +25,7 @@ from asyncua.server.binary_server_asyncio import BinaryServer, OPCUAProtocol
 from asyncua.server.internal_server import InternalServer
 from asyncua.server.internal_session import InternalSession
 from asyncua.server.internal_subscription import InternalSubscription
+from asyncua.server.server import Server
 from asyncua.server.subscription_service import SubscriptionService
 from asyncua.server.uaprocessor import UaProcessor
 from asyncua.server.user_managers import UserManager
@@ -61,6 +62,7 @@ SLOWEST_PUBLISHING: Final = 3_600_000.0
 """Milliseconds."""
 MAX_CONNECTIONS: Final = 200
 
+_ANONYMOUS: Final = User(role=UserRole.Anonymous)
 _SESSIONLESS: Final = frozenset(
     standard(number)
     for number in (
@@ -241,8 +243,8 @@ class Internal(InternalServer):
     def create_session(
         self,
         name: str,
-        user: User = User(role=UserRole.Anonymous),
-        external: bool = False,  # noqa: B008
+        user: User = _ANONYMOUS,
+        external: bool = False,
     ) -> InternalSession:
         return Session(self, self.aspace, self.subscription_service, name, user=user, external=external)
 

@@ -26,6 +26,8 @@ from pcaccess.opcua.values import WRITE_STATUS, count_of, value_of, variant_type
 from pcaccess.project.model import Access
 from pcaccess.s7200.types import DataType
 
+_SERVER = User(role=UserRole.Admin)
+"""Who writes when no session does: the server itself."""
 _SERVER_TIMES = (ua.TimestampsToReturn.Server, ua.TimestampsToReturn.Both)
 _SOURCE_TIMES = (ua.TimestampsToReturn.Source, ua.TimestampsToReturn.Both)
 
@@ -69,7 +71,7 @@ class ItemAttributes(AttributeService):
 
     # ------------------------------------------------------------------ Write
 
-    async def write(self, params: ua.WriteParameters, user: User = User(role=UserRole.Admin)) -> list[ua.StatusCode]:  # noqa: B008
+    async def write(self, params: ua.WriteParameters, user: User = _SERVER) -> list[ua.StatusCode]:
         """The Write service; an item's write is answered when its PLC has taken it."""
         results: list[ua.StatusCode | None] = [None] * len(params.NodesToWrite)
         pending: list[tuple[int, int, ItemValue]] = []
