@@ -156,41 +156,53 @@ class PlcImage:
         return self._groups
 
     def update(self, data: bytes | bytearray | memoryview, now: int, start: int = 0) -> None:
-        """The PLC was read at ``now``: ``data`` stands at ``start``. All rows wholly inside become good."""
+        """The PLC was read at ``now``: ``data`` stands at ``start`` of the image.
+
+        Rows wholly inside are as new as ``now``; rows that only reach in are decoded again if a byte of theirs
+        changed, once all of their bytes have been seen.
+        """
         new = np.frombuffer(data, np.uint8)
         end = start + len(new)
-        known = self._known[start:end]
-        differs = (self._image[start:end] != new) | ~known
+        differs = np.zeros(len(self._image), np.bool_)
+        differs[start:end] = (self._image[start:end] != new) | ~self._known[start:end]
         self._image[start:end] = new
         self._known[start:end] = True
         running = np.concatenate(([0], np.cumsum(differs)))
-        whole = start == 0 and end == len(self._image)
+        unknown = None if self._known.all() else np.concatenate(([0], np.cumsum(~self._known)))
         for group in self._arrange():
-            self._update_group(group, running, start, end, whole, now)
+            self._update_group(group, running, unknown, start, end, now)
         for field in self._objects:
-            if start <= field.offset and field.offset + field.size <= end:
-                if running[field.offset + field.size - start] > running[field.offset - start] or self._stale(field):
-                    self._table.put_object(field.row, self._decode_object(field), now)
-                else:
-                    self._table.stamp(as_rows(field.row), now)
+            first, last = field.offset, field.offset + field.size
+            if last <= start or first >= end or (unknown is not None and unknown[last] > unknown[first]):
+                continue
+            if running[last] > running[first] or self._stale(field):
+                self._table.put_object(field.row, self._decode_object(field), now)
+            elif start <= first and last <= end:
+                self._table.stamp(as_rows(field.row), now)
         if self._out_of_service:
             self._table.set_quality(as_rows(self._out_of_service), Quality.OUT_OF_SERVICE, now)
 
     def _update_group(
-        self, group: _Group, running: NDArray[np.int64], start: int, end: int, whole: bool, now: int
+        self,
+        group: _Group,
+        running: NDArray[np.int64],
+        unknown: NDArray[np.int64] | None,
+        start: int,
+        end: int,
+        now: int,
     ) -> None:
         size = group.raw_type.size
-        first, last = 0, len(group.rows)
-        if not whole:
-            first = int(np.searchsorted(group.offsets, start, "left"))
-            last = int(np.searchsorted(group.offsets, end - size, "right"))
-            if first >= last:
-                return
-        at = group.offsets[first:last] - start
-        rows = group.rows[first:last]
+        first = int(np.searchsorted(group.offsets, start - size, "right"))
+        last = int(np.searchsorted(group.offsets, end, "left"))
+        if first >= last:
+            return
+        at, rows = group.offsets[first:last], group.rows[first:last]
         dirty = (running[at + size] > running[at]) | self._table.is_not_good(rows)
+        inside = (at >= start) & (at + size <= end)
+        if unknown is not None:
+            dirty &= unknown[at + size] == unknown[at]
+        self._table.stamp(rows if inside.all() else rows[inside], now)
         which = np.flatnonzero(dirty)
-        self._table.stamp(rows, now)
         if len(which):
             which += first
             self._table.put_numbers(group.served_type, group.rows[which], group.decode(self._image, which), now)

@@ -141,11 +141,16 @@ class Subscription(InternalSubscription):
     async def _subscription_loop(self) -> None:
         """As asyncua's, but the interval may change while it runs, and lost time is not made up in a burst."""
         due = self._clock.monotonic()
-        await self.publish_results()
-        while not self._closing:
-            due = max(due + self.data.RevisedPublishingInterval / 1000, self._clock.monotonic())
-            await self._clock.sleep(due - self._clock.monotonic())
+        try:
             await self.publish_results()
+            while not self._closing:
+                due = max(due + self.data.RevisedPublishingInterval / 1000, self._clock.monotonic())
+                await self._clock.sleep(due - self._clock.monotonic())
+                await self.publish_results()
+        except Exception:
+            # asyncua keeps this task in a drawer and never looks: without this line a fault here is silence.
+            log.exception("subscription %s ended", self.data.SubscriptionId)
+            raise
 
     def has_published_results(self) -> bool:
         if self._publishing_enabled:

@@ -225,7 +225,7 @@ class ItemMonitors(MonitoredItemService):
             monitor.sampling = max(asked_rate, FASTEST_SAMPLING)
 
     def _filter(self, asked: Any, row: int | None) -> Filter | int:
-        if asked is None:
+        if asked is None or (isinstance(asked, ua.ExtensionObject) and asked.TypeId.is_null()):
             return Filter()
         if not isinstance(asked, ua.DataChangeFilter):
             return StatusCodes.BadMonitoredItemFilterUnsupported
