@@ -1,6 +1,6 @@
 """The pages of docs/problems: which must exist, and the examples in them. As a program: is every page there?
 
-The convention is told in docs/problems/README.md; tests/test_problem_pages.py runs the examples.
+The convention is told in docs/problems/README.md; tests/test_docs_problems.py runs the examples.
 
 Errors:   ValueError when a page does not keep the convention, naming the page.
 """
@@ -21,14 +21,17 @@ from pcaccess.problems import Kind, Register
 ROOT: Final = Path(__file__).parent.parent
 PAGES: Final = ROOT / "docs" / "problems"
 SECTIONS: Final = ("Wrong", "Right")
+FILE_NAMES: Final = {"yaml": "items.yaml", "awl": "program.awl"}
+"""Languages an example can be in, and what its file is called."""
 _FENCE: Final = re.compile(r"^```(?P<language>\w+)(?: (?P<name>[^\n]+))?\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL)
 _CARETS: Final = re.compile(r" *\^+ *")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, order=True)
 class Mark:
     """A row of carets: ``length`` characters at ``line``:``column``, all from 1, as in a Span."""
 
+    file: str
     line: int
     column: int
     length: int
@@ -36,13 +39,12 @@ class Mark:
 
 @dataclass(frozen=True, slots=True)
 class Example:
-    """One section of a page: the file it is about, files it needs beside it, and what is marked in the first."""
+    """One section of a page: the file it is about and the files beside it."""
 
     language: str
-    text: str
+    files: tuple[tuple[str, str], ...]
+    """(name, text), the one it is about first."""
     marks: tuple[Mark, ...]
-    beside: tuple[tuple[str, str], ...]
-    """(file name, text) of the further files."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,16 +67,16 @@ def registered() -> dict[str, Kind]:
     return kinds
 
 
-def take_marks(text: str) -> tuple[str, tuple[Mark, ...]]:
+def take_marks(name: str, text: str) -> tuple[str, list[Mark]]:
     """The text without its lines of carets, and what they mark: something in the line above."""
     lines: list[str] = []
     marks = []
     for line in text.splitlines(keepends=True):
         if _CARETS.fullmatch(line.rstrip("\n")):
-            marks.append(Mark(len(lines), line.index("^") + 1, line.count("^")))
+            marks.append(Mark(name, len(lines), line.index("^") + 1, line.count("^")))
         else:
             lines.append(line)
-    return "".join(lines), tuple(marks)
+    return "".join(lines), marks
 
 
 def read_section(code: str, title: str, text: str) -> Example:
@@ -82,12 +84,18 @@ def read_section(code: str, title: str, text: str) -> Example:
     blocks = list(_FENCE.finditer(match["body"])) if match else []
     if not blocks:
         raise ValueError(f"{code}.md: a section '## {title}' with a fenced example is missing")
-    main, *others = blocks
-    nameless = [block["language"] for block in others if not block["name"]]
-    if main["name"] or nameless:
-        raise ValueError(f"{code}.md: in '{title}' the first example has no file name and every further one has")
-    shown, marks = take_marks(main["text"])
-    return Example(main["language"], shown, marks, tuple((block["name"], block["text"]) for block in others))
+    language = blocks[0]["language"]
+    if language not in FILE_NAMES:
+        raise ValueError(f"{code}.md: the first example of '{title}' is one of {', '.join(FILE_NAMES)}, not {language}")
+    files, marks = [], []
+    for place, block in enumerate(blocks):
+        if (place == 0) != (block["name"] is None):
+            raise ValueError(f"{code}.md: in '{title}' the first example has no file name and every further one has")
+        name = block["name"] or FILE_NAMES[language]
+        shown, found = take_marks(name, block["text"])
+        files.append((name, shown))
+        marks += found
+    return Example(language, tuple(files), tuple(sorted(marks)))
 
 
 def read_page(code: str) -> Page:

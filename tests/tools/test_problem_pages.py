@@ -1,4 +1,4 @@
-"""How tools/problem_pages.py reads a page. That the pages themselves are right is tests/test_problems_docs.py."""
+"""How tools/problem_pages.py reads a page. That the pages themselves are right is tests/test_docs_problems.py."""
 
 from __future__ import annotations
 
@@ -24,6 +24,7 @@ c: 3
 
 ```csv tags.csv
 x,y
+  ^
 ```
 
 ## Right
@@ -43,15 +44,16 @@ def write_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
 def test_carets_mark_the_line_above_and_vanish(write_page) -> None:
     write_page(PAGE)
     wrong = problem_pages.read_page("PRJ999").wrong
-    assert wrong.text == "a: 1\nb: 22\nc: 3\n"
-    assert wrong.marks == (Mark(2, 4, 2), Mark(3, 1, 1))
+    assert wrong.files[0] == ("items.yaml", "a: 1\nb: 22\nc: 3\n")
+    assert wrong.marks[:2] == (Mark("items.yaml", 2, 4, 2), Mark("items.yaml", 3, 1, 1))
 
 
 def test_named_blocks_are_files_beside_the_example(write_page) -> None:
     write_page(PAGE)
     page = problem_pages.read_page("PRJ999")
-    assert (page.title, page.wrong.language, page.wrong.beside) == ("a title", "yaml", (("tags.csv", "x,y\n"),))
-    assert (page.right.text, page.right.marks, page.right.beside) == ("a: 1\n", (), ())
+    assert (page.title, page.wrong.language, page.wrong.files[1]) == ("a title", "yaml", ("tags.csv", "x,y\n"))
+    assert page.wrong.marks[2:] == (Mark("tags.csv", 1, 3, 1),)
+    assert (page.right.files, page.right.marks) == ((("items.yaml", "a: 1\n"),), ())
 
 
 @pytest.mark.parametrize(
@@ -60,6 +62,7 @@ def test_named_blocks_are_files_beside_the_example(write_page) -> None:
         ("# PRJ999: ", "# PRJ998: ", "first line"),
         ("## Right", "## Good", "'## Right' with a fenced example is missing"),
         ("```csv tags.csv", "```csv", "every further one has"),
+        ("```yaml\na: 1\n```\n", "```toml\na: 1\n```\n", "one of yaml, awl, not toml"),
         ("```yaml\na: 1\n```\n", "```yaml\na: 1\n^\n```\n", "nothing is marked in the right example"),
     ],
 )
