@@ -24,6 +24,7 @@ from pcaccess.s7200.types import DataType
 
 __all__ = [
     "SERVED_LINKS",
+    "SERVED_PROTOCOLS",
     "Access",
     "DynamicItems",
     "Folder",
@@ -88,6 +89,10 @@ class Parity(Enum):
     NONE = "none"
     EVEN = "even"
     ODD = "odd"
+
+
+SERVED_PROTOCOLS: Final[frozenset[Protocol]] = frozenset()
+"""Faces of a soft-PLC that this version can show; the others are checked and stay closed."""
 
 
 @dataclass(frozen=True, slots=True)
