@@ -51,6 +51,13 @@ def test_what_dependencies_need_themselves_is_pinned_too() -> None:
     assert seen - PINS.keys() == set()
 
 
+def test_no_file_names_a_package_index_or_somebody_s_folder() -> None:
+    tracked = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    private = re.compile(rb"index[-_]url|(?<![\w.~/-])/(root|home|work)/")
+    paths = [ROOT / name for name in tracked.split("\0") if name]
+    assert [path for path in paths if path.is_file() and private.search(path.read_bytes())] == []
+
+
 def test_every_make_target_is_in_the_help() -> None:
     targets = re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(), re.MULTILINE)
     shown = subprocess.run(["make", "-s", "help"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
