@@ -79,6 +79,10 @@ class OperandSpec:
     """The first of several values in a row: it has an address of its own, so it is no accumulator."""
     extent: int = 0
     """Bytes used from the address on, where it is more than one value and known beforehand."""
+    place: bool = False
+    """The body wants to know where it lies; it loads the value itself."""
+    raw: bool = False
+    """The body wants the bits, as an unsigned integer of the type's width."""
     template: str | None = None
     """``SAME``, before a row has said its type."""
 
@@ -159,8 +163,6 @@ class Definition:
     """Emits the IR; None: known, not executable."""
     arguments: tuple[Any, ...] = ()
     """What the row gives the body before the operands."""
-    idle: Body | None = field(default=None, repr=False)
-    """Emits what happens instead while the instruction stands in an SCR segment that is not active."""
 
     @property
     def is_variadic(self) -> bool:
@@ -271,7 +273,6 @@ def declare(
     source: str,
     doc: str,
     body: Body | None = None,
-    idle: Body | None = None,
 ) -> Family:
     """Definitions of one family; without ``body`` they are known but not executable."""
     summary, description = _sections(doc)
@@ -291,7 +292,6 @@ def declare(
                 description=description,
                 body=body,
                 arguments=row,
-                idle=idle,
             )
             for mnemonic, row in rows.items()
         ),
