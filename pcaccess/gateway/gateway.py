@@ -16,53 +16,88 @@ from itertools import groupby
 from types import MappingProxyType
 
 from pcaccess.clock import Clock
-from pcaccess.gateway.station import Station, new_image
+from pcaccess.gateway.dynamic import DynamicNames
+from pcaccess.gateway.groups import Group
+from pcaccess.gateway.station import Station
 from pcaccess.gateway.writing import WriteRefused, raw_write
 from pcaccess.items.quality import Quality
 from pcaccess.items.sample import ItemValue, Sample
 from pcaccess.items.table import ItemTable
 from pcaccess.items.ticks import to_ticks
+from pcaccess.links.absent import AbsentLink
 from pcaccess.links.base import Link as Driver
 from pcaccess.links.base import Outcome, RawWrite
-from pcaccess.links.soft import SoftLink, SoftPlc
+from pcaccess.links.sim import SimLink
+from pcaccess.links.soft import SoftLink
 from pcaccess.project.model import Item, Link, LinkType, Plc, Project
 
 log = logging.getLogger(__name__)
 
 
 class Gateway:
-    """One project, running. Make it, then :meth:`run` it inside a task group."""
+    """One project, running. Make it, :meth:`show` what is known, then :meth:`run` it inside a task group."""
 
     def __init__(self, project: Project, clock: Clock) -> None:
         self.clock = clock
         self.project = project
         self.table = ItemTable(to_ticks(clock.now()))
+        self.dynamic = DynamicNames(self)
         self._stations: dict[str, Station] = {}
-        self._drivers: list[Driver] = []
+        self._drivers: dict[str, Driver] = {}
         self._items: list[Item | None] = []
         self._station_of: list[Station | None] = []
+        self._groups: dict[str, Group] = {}
         self._listeners: list[Callable[[], None]] = []
+        self._tasks: asyncio.TaskGroup | None = None
+        self._driver_tasks: dict[str, asyncio.Task[None]] = {}
         for link in project.links:
-            self._add_link(link)
+            self.add_link(link)
+        self.set_groups()
 
-    # ------------------------------------------------------------------ building
+    # ------------------------------------------------------------------ structure
 
-    def _add_link(self, link: Link) -> None:
-        driver = self._driver(link)
-        self._drivers.append(driver)
+    def add_link(self, link: Link) -> None:
+        """Start to drive a link of the project."""
+        driver = self._drivers[link.name] = self._driver(link)
+        driver.configure(link.plcs)
         for plc in link.plcs:
-            station = Station(plc, driver, new_image(self.table), live=link.type is LinkType.SOFT)
-            self._stations[plc.item_id] = station
-            self.add_items(station, list(plc.all_items()))
+            self.add_station(link, plc)
+        if self._tasks is not None:
+            self._driver_tasks[link.name] = self._tasks.create_task(driver.run())
+
+    def remove_link(self, name: str) -> None:
+        """Stop driving a link; its items are gone."""
+        for station in [s for s in self._stations.values() if s.plc.link == name]:
+            self.remove_station(station.name)
+        del self._drivers[name]
+        task = self._driver_tasks.pop(name, None)
+        if task is not None:
+            task.cancel()
+
+    def driver(self, link: str) -> Driver:
+        return self._drivers[link]
 
     def _driver(self, link: Link) -> Driver:
         if link.type is LinkType.SOFT:
-            return SoftLink([SoftPlc(plc.item_id, plc.cpu, plc.connected) for plc in link.plcs], self)
-        return AbsentLink(link.plcs, self)
+            return SoftLink(self)
+        if link.type is LinkType.SIM:
+            return SimLink(self.table, self.clock)
+        return AbsentLink(self)
+
+    def add_station(self, link: Link, plc: Plc) -> None:
+        """A PLC of a link that is driven already."""
+        live = link.type is LinkType.SOFT and plc.program is None
+        station = Station(plc, self._drivers[link.name], self.table, live=live)
+        self._stations[plc.item_id] = station
+        self.add_items(station, list(plc.all_items()))
+
+    def remove_station(self, name: str) -> None:
+        station = self._stations.pop(name)
+        self.remove_items(row for row, _ in list(station.items()))
 
     def add_items(self, station: Station, items: Sequence[Item]) -> list[int]:
         """Rows for items of a station."""
-        rows: list[int] = self.table.add_many([(i.item_id, i.data_type, _count(i)) for i in items]).tolist()
+        rows: list[int] = self.table.add_many([(i.item_id, i.data_type, i.count) for i in items]).tolist()
         grow = max(rows, default=-1) + 1 - len(self._items)
         if grow > 0:
             self._items.extend([None] * grow)
@@ -71,7 +106,41 @@ class Gateway:
             self._items[row] = item
             self._station_of[row] = station
         station.add(zip(rows, items, strict=True))
+        self.dynamic.forget_index()
         return rows
+
+    def remove_items(self, rows: Iterable[int]) -> None:
+        """Forget rows; their names are unknown from now on."""
+        gone = list(rows)
+        for row in gone:
+            station = self._station_of[row]
+            if station is not None:
+                station.remove([row])
+            self._items[row] = self._station_of[row] = None
+        self.table.remove(gone)
+        self.dynamic.forget_index()
+
+    def replace_item(self, row: int, item: Item) -> None:
+        """The item's description, limits or access changed, not its place or type."""
+        self._items[row] = item
+        self.station(row).replace(row, item)
+        self.dynamic.forget_index()
+
+    def set_groups(self) -> None:
+        """Take the groups of the project; a group that stays keeps what clients set."""
+        before, self._groups = self._groups, {}
+        for group in self.project.groups:
+            known = before.get(group.name.casefold())
+            keep = known is not None and known.config == group
+            self._groups[group.name.casefold()] = known if keep and known is not None else Group(group, self)
+
+    def on_structure(self, listener: Callable[[], None]) -> None:
+        """Call ``listener`` after items, PLCs or groups came, went or changed by the project file."""
+        self._listeners.append(listener)
+
+    def structure_changed(self) -> None:
+        for listener in self._listeners:
+            listener()
 
     # ------------------------------------------------------------------ looking things up
 
@@ -80,12 +149,24 @@ class Gateway:
         """By ``Link.PLC`` as written."""
         return MappingProxyType(self._stations)
 
+    @property
+    def groups(self) -> list[Group]:
+        return list(self._groups.values())
+
+    def group(self, name: str) -> Group | None:
+        """The group of that name, in any case."""
+        return self._groups.get(name.casefold())
+
     def find(self, name: str) -> int | None:
-        """Row of an item ID, in any case; None when there is no such item."""
-        return self.table.find(name)
+        """Row of an item ID or run-time name, in any case; a well-formed run-time name makes its item."""
+        row = self.table.find(name)
+        if row is None:
+            return self.dynamic.find(name) if "," in name else None
+        self.dynamic.touch(row)
+        return row
 
     def item(self, row: int) -> Item:
-        """The project's entry of a row. Raises KeyError for a removed row."""
+        """The entry of a row. Raises KeyError for a removed row."""
         item = self._items[row] if 0 <= row < len(self._items) else None
         if item is None:
             raise KeyError(row)
@@ -97,10 +178,6 @@ class Gateway:
             raise KeyError(row)
         return station
 
-    def on_structure(self, listener: Callable[[], None]) -> None:
-        """Call ``listener`` after items or PLCs came, went or changed."""
-        self._listeners.append(listener)
-
     # ------------------------------------------------------------------ values
 
     async def read(self, rows: Sequence[int], max_age: float = 0.0) -> None:
@@ -111,7 +188,7 @@ class Gateway:
         """Stamp what needs no polling; enough for a reader that must not wait."""
         now = self.now()
         for station in {id(s): s for s in map(self.station, rows)}.values():
-            station.freshen(self.table, now)
+            station.freshen(now)
 
     def sample(self, row: int) -> Sample:
         return self.table.sample(row)
@@ -146,44 +223,33 @@ class Gateway:
         return to_ticks(self.clock.now())
 
     def received(self, station: str, data: bytes | bytearray | memoryview, start: int = 0) -> None:
-        known = self._stations[station]
-        known.reachable = True
-        known.image.update(data, self.now(), start)
+        known = self._stations.get(station)
+        if known is not None:  # a reload may have removed it while its link was reading
+            known.reachable = True
+            known.image.update(data, self.now(), start)
 
     def lost(self, station: str, quality: Quality) -> None:
-        known = self._stations[station]
-        known.reachable = False
-        known.image.lost(quality, self.now())
+        known = self._stations.get(station)
+        if known is not None:
+            known.reachable = False
+            known.image.lost(quality, self.now())
 
-    def start(self) -> None:
-        """Show at once what needs no waiting."""
-        for driver in self._drivers:
-            driver.start()
+    def refresh(self, station: Station) -> None:
+        """Show rows that were added to a station from what its link knows already."""
+        if not station.connected:
+            self.lost(station.name, Quality.NOT_CONNECTED)
+        elif station.live:
+            station.image.repeat(self.now())
+
+    def show(self) -> None:
+        """Take from every link what needs no waiting."""
+        for driver in self._drivers.values():
+            driver.show()
 
     async def run(self) -> None:
         """Run all links; ends only by cancellation."""
         async with asyncio.TaskGroup() as tasks:
-            for driver in self._drivers:
-                tasks.create_task(driver.run())
-
-
-class AbsentLink:
-    """A link of a type that this version checks but cannot drive: its items are NOT_CONNECTED, and say so."""
-
-    def __init__(self, plcs: Iterable[Plc], sink: Gateway) -> None:
-        self._plcs = tuple(plcs)
-        self._sink = sink
-
-    def start(self) -> None:
-        for plc in self._plcs:
-            self._sink.lost(plc.item_id, Quality.NOT_CONNECTED)
-
-    async def run(self) -> None:
-        await asyncio.get_running_loop().create_future()
-
-    async def write(self, station: str, writes: Sequence[RawWrite]) -> list[Outcome]:
-        return [Outcome.NOT_CONNECTED] * len(writes)
-
-
-def _count(item: Item) -> int:
-    return 1 if isinstance(item.address, str) else item.address.count
+            self._tasks = tasks
+            for name, driver in self._drivers.items():
+                self._driver_tasks[name] = tasks.create_task(driver.run())
+            tasks.create_task(self.dynamic.run())

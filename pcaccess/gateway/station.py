@@ -1,9 +1,8 @@
-"""One PLC of the running gateway: its project entry, its link, its image, its rows."""
+"""One PLC of the running gateway: its project entry, its link, its rows."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
 
 from pcaccess.gateway.writing import linear
 from pcaccess.items.image import Field, PlcImage
@@ -18,23 +17,30 @@ FRESH_TICKS = 100_000
 """A sample stamped within the last 10 ms is as good as now."""
 
 
-@dataclass(slots=True)
 class Station:
-    """``live``: its samples need no polling and are current whenever somebody asks (soft, memory only)."""
+    """A PLC with its image and rows. PLCs of links without S7-200 memory (sim) have an image nobody fills."""
 
-    plc: Plc
-    link: Link
-    image: PlcImage
-    live: bool
-    runs: bool = False
-    """A CPU keeps SM, timers and counters true."""
-    reachable: bool = True
-    """What the link last said of it."""
-    stamped: int = 0
+    def __init__(self, plc: Plc, link: Link, table: ItemTable, *, live: bool = False) -> None:
+        """``live``: samples need no polling and are current whenever somebody asks (soft, memory only)."""
+        self.plc = plc
+        self.link = link
+        self.image = PlcImage(table, MEMORY_SIZE)
+        self.live = live
+        self.reachable = True
+        """What the link last said of it."""
+        self._table = table
+        self._items: dict[int, Item] = {}
+        self._stamped = 0
 
     @property
     def name(self) -> str:
+        """``Link.PLC`` as written."""
         return self.plc.item_id
+
+    @property
+    def runs(self) -> bool:
+        """A CPU keeps SM, timers and counters true."""
+        return self.plc.program is not None
 
     @property
     def connected(self) -> bool:
@@ -51,29 +57,46 @@ class Station:
         """Milliseconds of the last scan; 0 where nothing scans."""
         return 0.0
 
+    @property
+    def rows(self) -> Rows:
+        """Rows that the image keeps."""
+        return self.image.rows
+
+    def items(self) -> Iterator[tuple[int, Item]]:
+        """Every row of this PLC with its item, dynamic ones too."""
+        yield from self._items.items()
+
     def add(self, items: Iterable[tuple[int, Item]]) -> None:
         """Show rows for items of this PLC."""
+        members = list(items)
+        self._items.update(members)
         fields, silent = [], []
-        for row, item in items:
+        for row, item in members:
             if isinstance(item.address, Address):
-                offset, bit = locate(item.address)
-                fields.append(
-                    Field(row, offset, bit, item.raw_type, item.address.count, item.length, linear(item.scaling))
-                )
+                fields.append(_field(row, item, item.address))
                 if not self.runs and not true_of_memory_alone(item.address, item.raw_type.size):
                     silent.append(row)
         self.image.add(fields, out_of_service=silent)
+        self.link.add(self.name, members)
 
-    @property
-    def rows(self) -> Rows:
-        return self.image.rows
+    def remove(self, rows: Iterable[int]) -> None:
+        gone = list(rows)
+        for row in gone:
+            self._items.pop(row, None)
+        self.image.remove(gone)
+        self.link.remove(gone)
 
-    def freshen(self, table: ItemTable, now: int) -> None:
+    def replace(self, row: int, item: Item) -> None:
+        """The item's description changed, not its place or type."""
+        self._items[row] = item
+
+    def freshen(self, now: int) -> None:
         """Somebody reads: the samples of a live station are as old as the question."""
-        if self.live and self.plc.connected and now - self.stamped > FRESH_TICKS:
-            self.stamped = now
-            table.stamp(self.rows, now)
+        if self.live and self.connected and now - self._stamped > FRESH_TICKS:
+            self._stamped = now
+            self._table.stamp(self.rows, now)
 
 
-def new_image(table: ItemTable) -> PlcImage:
-    return PlcImage(table, MEMORY_SIZE)
+def _field(row: int, item: Item, address: Address) -> Field:
+    offset, bit = locate(address)
+    return Field(row, offset, bit, item.raw_type, address.count, item.length or 254, linear(item.scaling))

@@ -11,8 +11,7 @@ from pcaccess.items.image import Linear
 from pcaccess.items.sample import ItemValue
 from pcaccess.links.base import Outcome, RawWrite
 from pcaccess.project.model import Access, Item, Scaling, WriteLimits
-from pcaccess.s7200.address import Address
-from pcaccess.s7200.types import DataType, Value, ValueRangeError, ValueTypeError
+from pcaccess.s7200.types import MAX_STRING, DataType, Value, ValueRangeError, ValueTypeError
 
 
 class WriteRefused(Exception):
@@ -34,19 +33,17 @@ def raw_write(item: Item, value: ItemValue) -> RawWrite:
     """What to send to the PLC so that ``item`` reads ``value``; raises WriteRefused."""
     if not item.access & Access.W:
         raise WriteRefused(Outcome.NOT_WRITABLE, f"{item.item_id} is read-only")
-    address = item.address
-    if not isinstance(address, Address):
-        raise WriteRefused(Outcome.NOT_WRITABLE, f"{item.item_id} is simulated and cannot be written")
+    count = item.count
     values = value if isinstance(value, list) else [value]
-    if isinstance(value, list) != (address.count != 1) or len(values) != address.count:
-        raise WriteRefused(Outcome.TYPE_MISMATCH, f"{item.item_id} takes {_shape(address.count)}")
+    if isinstance(value, list) != (count != 1) or len(values) != count:
+        raise WriteRefused(Outcome.TYPE_MISMATCH, f"{item.item_id} takes {_shape(count)}")
     try:
         data = b"".join(_encode(item, v) for v in values)
     except ValueTypeError as error:
         raise WriteRefused(Outcome.TYPE_MISMATCH, f"{item.item_id}: {error}") from None
     except ValueRangeError as error:
         raise WriteRefused(Outcome.OUT_OF_RANGE, f"{item.item_id}: {error}") from None
-    return RawWrite(address, item.raw_type, data)
+    return RawWrite(item.item_id, item.address, item.raw_type, data)
 
 
 def _shape(count: int) -> str:
@@ -61,9 +58,8 @@ def _encode(item: Item, value: Value) -> bytes:
             value = _to_raw(item, line, float(value))
     if item.raw_type is not DataType.STRING:
         return item.raw_type.encode(value)
-    raw = item.raw_type.encode(value, length=item.length)
-    many = isinstance(item.address, Address) and item.address.count > 1
-    return raw.ljust(1 + item.length, b"\x00") if many else raw
+    raw = item.raw_type.encode(value, length=item.length or MAX_STRING)
+    return raw.ljust(1 + item.length, b"\x00") if item.count > 1 else raw
 
 
 def _within_limits(item: Item, value: float) -> float:

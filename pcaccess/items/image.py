@@ -182,6 +182,10 @@ class PlcImage:
         if self._out_of_service:
             self._table.set_quality(as_rows(self._out_of_service), Quality.OUT_OF_SERVICE, now)
 
+    def repeat(self, now: int) -> None:
+        """The PLC still holds what it held; rows that came since get their values."""
+        self.update(self._image.tobytes(), now)
+
     def _update_group(
         self,
         group: _Group,

@@ -1,17 +1,18 @@
 """What a link is to the gateway: it fetches memory, takes writes, and says how its PLCs are doing.
 
-Failure is data: a dead PLC costs its own items, never an exception. ``Station`` is a PLC as a link knows it, by its
+Failure is data: a dead PLC costs its own items, never an exception. A station is a PLC as a link knows it, by its
 ``Link.PLC`` name.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import Protocol
 
 from pcaccess.items.quality import Quality
+from pcaccess.project.model import Item, Plc
 from pcaccess.s7200.address import Address
 from pcaccess.s7200.types import DataType
 
@@ -31,9 +32,13 @@ class Outcome(Enum):
 
 @dataclass(frozen=True, slots=True)
 class RawWrite:
-    """Bytes for one place, as they stand in PLC memory; for BOOL one byte, 0 or 1, per element."""
+    """Bytes for one item, as they stand in PLC memory; for BOOL one byte, 0 or 1, per element.
 
-    address: Address
+    ``address`` is a text on links that have their own addresses.
+    """
+
+    item_id: str
+    address: Address | str
     raw_type: DataType
     data: bytes
 
@@ -51,8 +56,17 @@ class Sink(Protocol):
 class Link(Protocol):
     """One way to reach PLCs."""
 
-    def start(self) -> None:
-        """Hand the sink what is known without waiting; called once, before :meth:`run`."""
+    def configure(self, plcs: Sequence[Plc]) -> None:
+        """These are the link's PLCs now; those that stay keep their state."""
+
+    def add(self, station: str, items: Iterable[tuple[int, Item]]) -> None:
+        """Rows that somebody may read. Links that hand over whole memories need not know."""
+
+    def remove(self, rows: Iterable[int]) -> None:
+        """Rows that are gone."""
+
+    def show(self) -> None:
+        """Hand the sink what is known without waiting."""
 
     async def run(self) -> None:
         """Own ports and tasks; ends only by cancellation."""

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 
 from pcaccess.items.quality import Quality
 from pcaccess.links.base import Outcome, RawWrite, Sink
-from pcaccess.s7200.cpu import CpuModel
+from pcaccess.project.model import Item, Plc
 from pcaccess.s7200.memory import MEMORY_SIZE, locate
 from pcaccess.s7200.special import power_up
 from pcaccess.s7200.types import DataType
@@ -24,45 +24,54 @@ from pcaccess.s7200.types import DataType
 class SoftPlc:
     """One PLC of a soft link. ``memory`` is the flat buffer of ``pcaccess.s7200.memory``."""
 
-    station: str
-    cpu: CpuModel
-    connected: bool = True
+    plc: Plc
     memory: bytearray = field(default_factory=lambda: bytearray(MEMORY_SIZE))
 
     def __post_init__(self) -> None:
-        power_up(self.memory, self.cpu)
+        power_up(self.memory, self.plc.cpu)
 
 
 class SoftLink:
     """All PLCs of one soft link."""
 
-    def __init__(self, plcs: Iterable[SoftPlc], sink: Sink) -> None:
-        self._plcs = {plc.station: plc for plc in plcs}
+    def __init__(self, sink: Sink) -> None:
+        self._plcs: dict[str, SoftPlc] = {}
         self._sink = sink
 
-    def plc(self, station: str) -> SoftPlc:
-        return self._plcs[station]
+    def configure(self, plcs: Sequence[Plc]) -> None:
+        """A PLC that stays keeps its memory, whatever else of it changed."""
+        before, self._plcs = self._plcs, {}
+        for plc in plcs:
+            known = before.get(plc.item_id)
+            if known is None:
+                self._plcs[plc.item_id] = SoftPlc(plc)
+            else:
+                known.plc = plc
+                power_up(known.memory, plc.cpu)
+                self._plcs[plc.item_id] = known
 
-    def start(self) -> None:
-        """Show what is there; in memory alone nothing changes by itself afterwards."""
-        for plc in self._plcs.values():
-            self.publish(plc)
+    def add(self, station: str, items: Iterable[tuple[int, Item]]) -> None:
+        pass
+
+    def remove(self, rows: Iterable[int]) -> None:
+        pass
+
+    def show(self) -> None:
+        """Hand over whole memories, or say which PLC is not connected."""
+        for station, plc in self._plcs.items():
+            if plc.plc.connected:
+                self._sink.received(station, plc.memory)
+            else:
+                self._sink.lost(station, Quality.NOT_CONNECTED)
 
     async def run(self) -> None:
-        """Scan; ends only by cancellation."""
-        await asyncio.get_running_loop().create_future()  # until cancelled
-
-    def publish(self, plc: SoftPlc) -> None:
-        """Hand the whole memory to the sink, or say that the PLC is not connected."""
-        if plc.connected:
-            self._sink.received(plc.station, plc.memory)
-        else:
-            self._sink.lost(plc.station, Quality.NOT_CONNECTED)
+        """In memory alone nothing changes by itself."""
+        await asyncio.get_running_loop().create_future()
 
     async def write(self, station: str, writes: Sequence[RawWrite]) -> list[Outcome]:
         """Into memory at once, and from there to the sink."""
         plc = self._plcs[station]
-        if not plc.connected:
+        if not plc.plc.connected:
             return [Outcome.NOT_CONNECTED] * len(writes)
         first, last = len(plc.memory), 0
         for write in writes:
@@ -75,6 +84,8 @@ class SoftLink:
 
 def store(memory: bytearray | memoryview, write: RawWrite) -> tuple[int, int]:
     """Put a write into a flat memory; returns the first byte touched and the one behind the last."""
+    if isinstance(write.address, str):
+        raise TypeError(f"{write.address!r} is not an S7-200 address")
     offset, bit = locate(write.address)
     if write.raw_type is not DataType.BOOL:
         end = offset + len(write.data)

@@ -22,7 +22,7 @@ from pcaccess.links.base import Outcome
 from pcaccess.opcua.ids import ITEMS, SYSTEM
 from pcaccess.opcua.ranges import RangeError, put_range, take_range
 from pcaccess.opcua.space import Space
-from pcaccess.opcua.values import WRITE_STATUS, count_of, value_of, variant_type
+from pcaccess.opcua.values import WRITE_STATUS, value_of, variant_type
 from pcaccess.project.model import Access
 from pcaccess.s7200.types import DataType
 
@@ -116,7 +116,7 @@ class ItemAttributes(AttributeService):
                 content = put_range(self._gateway.table.sample(row).value, str(write.IndexRange), content)
             except RangeError as error:
                 return error.status
-        if isinstance(content, list) != (count_of(item) > 1):
+        if isinstance(content, list) != (item.count > 1):
             return StatusCodes.BadTypeMismatch
         return row, content
 

@@ -18,7 +18,7 @@ from asyncua.ua.object_ids import ObjectIds
 
 from pcaccess.gateway.gateway import Gateway
 from pcaccess.opcua.ids import ITEMS, SYSTEM, item_node, name_in, standard, system_node
-from pcaccess.opcua.values import access_level, count_of, data_type_node, data_value, times_of, value_of
+from pcaccess.opcua.values import access_level, data_type_node, data_value, times_of, value_of
 from pcaccess.project.model import Folder, Item, Link, Plc
 from pcaccess.s7200.address import Address
 
@@ -168,7 +168,7 @@ class Space:
             for name in properties_of(item):
                 yield Reference(ObjectIds.HasProperty, system_node(item.item_id, name))
 
-        count = count_of(item)
+        count = item.count
         return Entry(
             item_node(item.item_id),
             name_in(item.name, ITEMS),

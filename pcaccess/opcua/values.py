@@ -15,7 +15,7 @@ from pcaccess.items.sample import ItemValue, Sample
 from pcaccess.items.ticks import from_ticks
 from pcaccess.links.base import Outcome
 from pcaccess.opcua.ids import standard
-from pcaccess.project.model import Access, Item
+from pcaccess.project.model import Access
 from pcaccess.s7200.types import DataType
 
 WRITE_STATUS: Final = MappingProxyType(
@@ -43,11 +43,6 @@ def data_type_node(data_type: DataType) -> ua.NodeId:
 def access_level(access: Access) -> int:
     """AccessLevel bits CurrentRead and CurrentWrite (OPC UA Part 3)."""
     return (1 if access & Access.R else 0) | (2 if access & Access.W else 0)
-
-
-def count_of(item: Item) -> int:
-    """Elements of an array item, 1 for a single value."""
-    return 1 if isinstance(item.address, str) else item.address.count
 
 
 def variant(data_type: DataType, value: ItemValue) -> ua.Variant:

@@ -11,7 +11,7 @@ Source:   docs/items-yaml.md has every key as a user writes it.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from pathlib import Path
 from typing import Final
@@ -133,6 +133,15 @@ class Item:
     description: str = ""
     scaling: Scaling | None = None
     write_limits: WriteLimits = WriteLimits.NONE
+
+    @property
+    def count(self) -> int:
+        """Elements of an array item, 1 for a single value."""
+        return self.address.count if isinstance(self.address, Address) else 1
+
+    def with_id(self, item_id: str) -> Item:
+        """The same item under another ID."""
+        return replace(self, item_id=item_id)
 
     @property
     def run_time_name(self) -> str:

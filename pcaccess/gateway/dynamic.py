@@ -1,0 +1,209 @@
+"""Dynamic items: a well-formed run-time name is an item the first time anybody names it.
+
+The run-time name of a configured item *is* that item. Any other name of existing bytes of a known PLC makes a new one,
+within the project's bounds (``dynamic_items``); unused ones go after their idle time. A dynamic name for bytes that a
+configured item covers never has more access than that item.
+
+Units:    ticks (``pcaccess.items.ticks``).
+Errors:   a name that cannot be an item is None, with a line in the log that says why.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Final
+
+from pcaccess.gateway.station import Station
+from pcaccess.items.ticks import TICKS_PER_SECOND
+from pcaccess.problems import Span
+from pcaccess.project.model import Access, Item
+from pcaccess.project.names import RunTimeName, RunTimeNameError, parse_run_time_name
+from pcaccess.s7200.address import Address, AddressError
+from pcaccess.s7200.memory import locate
+from pcaccess.s7200.types import MAX_STRING, DataType
+
+if TYPE_CHECKING:
+    from pcaccess.gateway.gateway import Gateway
+
+log = logging.getLogger(__name__)
+
+_LONGEST_SWEEP: Final = 30.0
+"""Seconds between looks for idle items, or a tenth of the idle time if that is less."""
+_NOWHERE: Final = Span("(client)", 1, 1)
+
+
+class DynamicNames:
+    """Finds and makes items by run-time name."""
+
+    def __init__(self, gateway: Gateway) -> None:
+        self._gateway = gateway
+        self._used: dict[int, int] = {}
+        self._index: dict[tuple[str, str, DataType], list[int]] | None = None
+        self._holders: list[Callable[[], Iterable[int]]] = []
+
+    def hold(self, rows: Callable[[], Iterable[int]]) -> None:
+        """``rows()`` are in use, subscribed for example, and stay however long nobody names them."""
+        self._holders.append(rows)
+
+    def touch(self, row: int) -> None:
+        """Somebody named the row."""
+        if row in self._used:
+            self._used[row] = self._gateway.now()
+
+    def __len__(self) -> int:
+        return len(self._used)
+
+    def forget_index(self) -> None:
+        """Items came or went."""
+        self._index = None
+
+    def find(self, text: str) -> int | None:
+        """Row of a run-time name; makes the item where the project allows it."""
+        try:
+            name = parse_run_time_name(text)
+        except RunTimeNameError as error:
+            log.debug("%s is no run-time name: %s", text, error)
+            return None
+        station = self._station(name, text)
+        if station is None:
+            return None
+        try:
+            address = name.address.as_type(name.data_type)
+            station.plc.cpu.check(address, size=name.data_type.size)
+        except AddressError as error:
+            log.info("%s cannot be an item: %s", text, error)
+            return None
+        row = self._known(station, name, address, text)
+        if row is None:
+            row = self._make(station, name, address, text)
+        return row
+
+    def _station(self, name: RunTimeName, text: str) -> Station | None:
+        fitting = [station for station in self._gateway.stations.values() if self._is_meant(station, name)]
+        if len(fitting) > 1:
+            names = " and ".join(station.name for station in fitting)
+            log.warning("%s fits %s; put the link's name in front", text, names)
+            return None
+        return fitting[0] if fitting else None
+
+    def _is_meant(self, station: Station, name: RunTimeName) -> bool:
+        plc = station.plc
+        if not isinstance(plc.address, int) or plc.address != name.station:
+            return False
+        link = self._gateway.project.link(plc.link)
+        if link is None or not link.type.has_s7_memory:
+            return False
+        if name.link is not None and name.link.casefold() != plc.link.casefold():
+            return False
+        if name.ip in (None, "0.0.0.0"):  # a serial name: TSAPs mean nothing (PC Access SMART still writes 0201)
+            return True
+        tsaps = (plc.local_tsap, plc.remote_tsap)
+        return name.ip == plc.host and (not any(tsaps) or tsaps == (name.local_tsap, name.remote_tsap))
+
+    def _known(self, station: Station, name: RunTimeName, address: Address, text: str) -> int | None:
+        """The item that has this very run-time name, or the most restricted one of the same place and type."""
+        if self._index is None:
+            self._index = {}
+            for known in self._gateway.stations.values():
+                for row, item in known.items():
+                    key = (known.name, str(item.address), item.data_type)
+                    self._index.setdefault(key, []).append(row)
+        rows = self._index.get((station.name, str(address), name.data_type), [])
+        exact = [r for r in rows if self._gateway.item(r).run_time_name.casefold() == text.casefold()]
+        candidates = exact or rows
+        if not candidates:
+            return None
+        row = min(candidates, key=lambda r: self._gateway.item(r).access.value.bit_count())
+        self.touch(row)
+        return row
+
+    def _make(self, station: Station, name: RunTimeName, address: Address, text: str) -> int | None:
+        settings = self._gateway.project.dynamic_items
+        access = (name.access or Access.RW) & settings.access & self._covering_access(station, address, name.data_type)
+        if not access:
+            log.info("%s: dynamic items have no access of that kind here", text)
+            return None
+        if len(self._used) >= settings.max:
+            self.sweep()
+        if len(self._used) >= settings.max:
+            log.warning("%s is not made: there are already %d dynamic items", text, settings.max)
+            return None
+        item = Item(
+            item_id="",
+            name=text,
+            station=station.plc.station,
+            address=address,
+            data_type=name.data_type,
+            raw_type=name.data_type,
+            access=access,
+            span=_NOWHERE,
+            length=MAX_STRING if name.data_type is DataType.STRING else 0,
+            low=name.low,
+            high=name.high,
+            write_limits=station.plc.write_limits,
+        )
+        item = item.with_id(item.run_time_name)
+        row = self._gateway.add_items(station, [item])[0]
+        self._gateway.table.add_alias(text, row)
+        self._used[row] = self._gateway.now()
+        self._gateway.refresh(station)
+        return row
+
+    def _covering_access(self, station: Station, address: Address, data_type: DataType) -> Access:
+        """What all configured items over the same bytes allow."""
+        first, bit = locate(address)
+        last = first + _extent(data_type, address.count, bit, MAX_STRING)
+        allowed = Access.RW
+        for row, item in station.items():
+            if row in self._used or not isinstance(item.address, Address):
+                continue
+            start, start_bit = locate(item.address)
+            end = start + _extent(item.raw_type, item.address.count, start_bit, item.length or MAX_STRING)
+            if start < last and first < end and not _different_bits(data_type, address, item.raw_type, item.address):
+                allowed &= item.access
+        return allowed
+
+    # ------------------------------------------------------------------ idle items
+
+    def sweep(self) -> None:
+        """Remove the items that nobody used for the idle time."""
+        settings = self._gateway.project.dynamic_items
+        oldest = self._gateway.now() - int(settings.idle * TICKS_PER_SECOND)
+        held = {row for rows in self._holders for row in rows()}
+        gone = [row for row, used in self._used.items() if used < oldest and row not in held]
+        for row in held & self._used.keys():
+            self._used[row] = self._gateway.now()
+        if gone:
+            self.drop(gone)
+
+    def drop(self, rows: Iterable[int]) -> None:
+        """Remove dynamic items."""
+        gone = list(rows)
+        for row in gone:
+            self._used.pop(row, None)
+        self._gateway.remove_items(gone)
+
+    def rows_of(self, station: Station) -> list[int]:
+        """Dynamic rows of one PLC."""
+        return [row for row, _ in station.items() if row in self._used]
+
+    async def run(self) -> None:
+        """Sweep from time to time; ends only by cancellation."""
+        while True:
+            await self._gateway.clock.sleep(min(_LONGEST_SWEEP, self._gateway.project.dynamic_items.idle / 10))
+            self.sweep()
+
+
+def _extent(data_type: DataType, count: int, bit: int, length: int) -> int:
+    """Bytes from the first one on that a value touches."""
+    if data_type is DataType.BOOL:
+        return (bit + count + 7) // 8
+    if data_type is DataType.STRING:
+        return (1 + length) * count
+    return data_type.size * count
+
+
+def _different_bits(type_a: DataType, a: Address, type_b: DataType, b: Address) -> bool:
+    """Two single bits of one byte do not cover each other."""
+    return type_a is type_b is DataType.BOOL and a.count == b.count == 1 and locate(a) != locate(b)
