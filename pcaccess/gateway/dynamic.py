@@ -12,13 +12,14 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 from pcaccess.gateway.station import Station
 from pcaccess.items.ticks import TICKS_PER_SECOND
 from pcaccess.problems import Span
 from pcaccess.project.model import Access, Item
-from pcaccess.project.names import RunTimeName, RunTimeNameError, parse_run_time_name
+from pcaccess.project.names import RunTimeName, RunTimeNameError, Stations, parse_run_time_name
 from pcaccess.s7200.address import Address, AddressError
 from pcaccess.s7200.memory import locate
 from pcaccess.s7200.types import MAX_STRING, DataType
@@ -33,13 +34,24 @@ _LONGEST_SWEEP: Final = 30.0
 _NOWHERE: Final = Span("(client)", 1, 1)
 
 
+@dataclass(slots=True)
+class _Index:
+    """Items by what names them beside their ID; made when the first run-time name is asked for."""
+
+    names: dict[str, int] = field(default_factory=dict)
+    """Casefolded run-time name."""
+    places: dict[tuple[str, str, DataType], list[int]] = field(default_factory=dict)
+    """Station, address and served type."""
+
+
 class DynamicNames:
     """Finds and makes items by run-time name."""
 
     def __init__(self, gateway: Gateway) -> None:
         self._gateway = gateway
         self._used: dict[int, int] = {}
-        self._index: dict[tuple[str, str, DataType], list[int]] | None = None
+        self._index: _Index | None = None
+        self._stations: Stations | None = None
         self._holders: list[Callable[[], Iterable[int]]] = []
 
     def hold(self, rows: Callable[[], Iterable[int]]) -> None:
@@ -55,11 +67,16 @@ class DynamicNames:
         return len(self._used)
 
     def forget_index(self) -> None:
-        """Items came or went."""
+        """Items or PLCs came or went."""
         self._index = None
+        self._stations = None
 
     def find(self, text: str) -> int | None:
         """Row of a run-time name; makes the item where the project allows it."""
+        row = self._indexed().names.get(text.casefold())
+        if row is not None:
+            self.touch(row)
+            return row
         try:
             name = parse_run_time_name(text)
         except RunTimeNameError as error:
@@ -69,58 +86,50 @@ class DynamicNames:
         if station is None:
             return None
         try:
-            address = name.address.as_type(name.data_type)
-            station.plc.cpu.check(address, size=name.data_type.size)
+            address = name.address.as_type(name.served_type)
+            station.plc.cpu.check(address, size=name.served_type.size)
         except AddressError as error:
             log.info("%s cannot be an item: %s", text, error)
             return None
-        row = self._known(station, name, address, text)
+        row = self._known(station, name, address)
         if row is None:
             row = self._make(station, name, address, text)
         return row
 
     def _station(self, name: RunTimeName, text: str) -> Station | None:
-        fitting = [station for station in self._gateway.stations.values() if self._is_meant(station, name)]
+        if self._stations is None:
+            self._stations = Stations(self._gateway.project)
+        fitting = self._stations.find(name)
         if len(fitting) > 1:
-            names = " and ".join(station.name for station in fitting)
+            names = " and ".join(plc.item_id for plc in fitting)
             log.warning("%s fits %s; put the link's name in front", text, names)
             return None
-        return fitting[0] if fitting else None
+        return self._gateway.stations.get(fitting[0].item_id) if fitting else None
 
-    def _is_meant(self, station: Station, name: RunTimeName) -> bool:
-        plc = station.plc
-        if not isinstance(plc.address, int) or plc.address != name.station:
-            return False
-        link = self._gateway.project.link(plc.link)
-        if link is None or not link.type.has_s7_memory:
-            return False
-        if name.link is not None and name.link.casefold() != plc.link.casefold():
-            return False
-        if name.ip in (None, "0.0.0.0"):  # a serial name: TSAPs mean nothing (PC Access SMART still writes 0201)
-            return True
-        tsaps = (plc.local_tsap, plc.remote_tsap)
-        return name.ip == plc.host and (not any(tsaps) or tsaps == (name.local_tsap, name.remote_tsap))
-
-    def _known(self, station: Station, name: RunTimeName, address: Address, text: str) -> int | None:
-        """The item that has this very run-time name, or the most restricted one of the same place and type."""
-        if self._index is None:
-            self._index = {}
-            for known in self._gateway.stations.values():
-                for row, item in known.items():
-                    key = (known.name, str(item.address), item.data_type)
-                    self._index.setdefault(key, []).append(row)
-        rows = self._index.get((station.name, str(address), name.data_type), [])
-        exact = [r for r in rows if self._gateway.item(r).run_time_name.casefold() == text.casefold()]
-        candidates = exact or rows
-        if not candidates:
+    def _known(self, station: Station, name: RunTimeName, address: Address) -> int | None:
+        """The item of the same place and type; of several the one with the least access."""
+        rows = self._indexed().places.get((station.name, str(address), name.served_type), [])
+        if not rows:
             return None
-        row = min(candidates, key=lambda r: self._gateway.item(r).access.value.bit_count())
+        row = min(rows, key=lambda r: self._gateway.item(r).access.value.bit_count())
         self.touch(row)
         return row
 
+    def _indexed(self) -> _Index:
+        if self._index is None:
+            self._index = _Index()
+            for station in self._gateway.stations.values():
+                for row, item in station.items():
+                    self._index.names.setdefault(item.run_time_name.casefold(), row)
+                    place = (station.name, str(item.address), item.data_type)
+                    self._index.places.setdefault(place, []).append(row)
+        return self._index
+
     def _make(self, station: Station, name: RunTimeName, address: Address, text: str) -> int | None:
         settings = self._gateway.project.dynamic_items
-        access = (name.access or Access.RW) & settings.access & self._covering_access(station, address, name.data_type)
+        access = (
+            (name.access or Access.RW) & settings.access & self._covering_access(station, address, name.served_type)
+        )
         if not access:
             log.info("%s: dynamic items have no access of that kind here", text)
             return None
@@ -129,18 +138,19 @@ class DynamicNames:
         if len(self._used) >= settings.max:
             log.warning("%s is not made: there are already %d dynamic items", text, settings.max)
             return None
+        low, high = _limits(name)
         item = Item(
             item_id="",
             name=text,
             station=station.plc.station,
             address=address,
-            data_type=name.data_type,
-            raw_type=name.data_type,
+            data_type=name.served_type,
+            raw_type=name.served_type,
             access=access,
             span=_NOWHERE,
-            length=MAX_STRING if name.data_type is DataType.STRING else 0,
-            low=name.low,
-            high=name.high,
+            length=MAX_STRING if name.served_type is DataType.STRING else 0,
+            low=low,
+            high=high,
             write_limits=station.plc.write_limits,
         )
         item = item.with_id(item.run_time_name)
@@ -193,6 +203,13 @@ class DynamicNames:
         while True:
             await self._gateway.clock.sleep(min(_LONGEST_SWEEP, self._gateway.project.dynamic_items.idle / 10))
             self.sweep()
+
+
+def _limits(name: RunTimeName) -> tuple[float | None, float | None]:
+    """Low and high in their order; PC Access writes zeros where there are none."""
+    if name.low is None or name.high is None or name.low == name.high:
+        return None, None
+    return min(name.low, name.high), max(name.low, name.high)
 
 
 def _extent(data_type: DataType, count: int, bit: int, length: int) -> int:

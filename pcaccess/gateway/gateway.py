@@ -12,6 +12,7 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from itertools import groupby
 from types import MappingProxyType
 
@@ -131,8 +132,9 @@ class Gateway:
         before, self._groups = self._groups, {}
         for group in self.project.groups:
             known = before.get(group.name.casefold())
-            keep = known is not None and known.config == group
-            self._groups[group.name.casefold()] = known if keep and known is not None else Group(group, self)
+            if known is None or replace(known.config, span=group.span) != group:
+                known = Group(group, self)
+            self._groups[group.name.casefold()] = known
 
     def on_structure(self, listener: Callable[[], None]) -> None:
         """Call ``listener`` after items, PLCs or groups came, went or changed by the project file."""

@@ -19,12 +19,11 @@ from asyncua.ua.status_codes import StatusCodes
 from pcaccess.gateway.gateway import Gateway
 from pcaccess.items.sample import ItemValue
 from pcaccess.links.base import Outcome
-from pcaccess.opcua.ids import ITEMS, SYSTEM
+from pcaccess.opcua.ids import ITEMS, SYSTEM, standard
 from pcaccess.opcua.ranges import RangeError, put_range, take_range
 from pcaccess.opcua.space import Space
-from pcaccess.opcua.values import WRITE_STATUS, value_of, variant_type
+from pcaccess.opcua.values import WRITE_STATUS, type_fits, value_of
 from pcaccess.project.model import Access
-from pcaccess.s7200.types import DataType
 
 _SERVER = User(role=UserRole.Admin)
 """Who writes when no session does: the server itself."""
@@ -89,12 +88,23 @@ class ItemAttributes(AttributeService):
             results[n] = ua.StatusCode(ua.UInt32(WRITE_STATUS[outcome]))
         return [result or ua.StatusCode(ua.UInt32(StatusCodes.BadInternalError)) for result in results]
 
+    def _write_setting(self, write: ua.WriteValue) -> int:
+        """What is not an item: a group's rate, for example."""
+        entry = self._space.find(write.NodeId)
+        if entry is None:
+            return StatusCodes.BadNodeIdUnknown
+        if write.AttributeId != AttributeIds.Value or entry.write is None or write.IndexRange:
+            return StatusCodes.BadNotWritable
+        given = write.Value.Value
+        if given is None or given.is_array or standard(given.VariantType.value) != entry.data_type:
+            return StatusCodes.BadTypeMismatch
+        return entry.write(given.Value)
+
     def _check_write(self, write: ua.WriteValue) -> int | tuple[int, ItemValue]:
         """Row and value to write, or the status that refuses it."""
         row = self._space.row(write.NodeId)
         if row is None:
-            known = self._space.find(write.NodeId) is not None
-            return StatusCodes.BadNotWritable if known else StatusCodes.BadNodeIdUnknown
+            return self._write_setting(write)
         if write.AttributeId != AttributeIds.Value:
             known = write.AttributeId in AttributeIds.__members__.values()
             return StatusCodes.BadNotWritable if known else StatusCodes.BadAttributeIdInvalid
@@ -108,7 +118,7 @@ class ItemAttributes(AttributeService):
             # A PLC keeps no quality (Part 4, 5.10.4). Time stamps are not kept either, but common clients always
             # send one, so those are not refused.
             return StatusCodes.BadWriteNotSupported
-        if not _type_fits(item.data_type, value.Value.VariantType):
+        if not type_fits(item.data_type, value.Value.VariantType):
             return StatusCodes.BadTypeMismatch
         content: Any = value.Value.Value
         if write.IndexRange:
@@ -119,10 +129,6 @@ class ItemAttributes(AttributeService):
         if isinstance(content, list) != (item.count > 1):
             return StatusCodes.BadTypeMismatch
         return row, content
-
-
-def _type_fits(wanted: DataType, given: ua.VariantType) -> bool:
-    return given == variant_type(wanted)
 
 
 def bad(status: int) -> ua.DataValue:

@@ -9,8 +9,9 @@ from asyncua import ua
 from asyncua.server.address_space import AttributeValue, NodeData
 from asyncua.ua.attribute_ids import AttributeIds
 
+from pcaccess.opcua.entry import Entry, Reference
 from pcaccess.opcua.ids import ITEMS, SYSTEM, standard
-from pcaccess.opcua.space import Entry, Reference, Space
+from pcaccess.opcua.space import Space
 
 OURS = (ITEMS, SYSTEM)
 
@@ -55,7 +56,8 @@ class NodeStore(dict[ua.NodeId, NodeData]):
         return node
 
     def references(self, entry: Entry) -> Iterator[Reference]:
-        yield Reference(_HAS_TYPE_DEFINITION, standard(entry.type_definition))
+        if entry.type_definition:  # methods have none
+            yield Reference(_HAS_TYPE_DEFINITION, standard(entry.type_definition))
         yield from entry.references()
 
     def describe(self, reference: Reference) -> ua.ReferenceDescription | None:

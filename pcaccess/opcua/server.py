@@ -25,6 +25,7 @@ class OpcUaServer:
         self._endpoint = endpoint or gateway.project.server.endpoint
         self._server = GatewayServer(gateway)
         self._port = 0
+        gateway.dynamic.hold(self.watched_rows)
 
     @property
     def url(self) -> str:

@@ -17,41 +17,12 @@ from asyncua import ua
 from asyncua.ua.object_ids import ObjectIds
 
 from pcaccess.gateway.gateway import Gateway
+from pcaccess.opcua.entry import Entry, Reference
+from pcaccess.opcua.groupnodes import GroupNodes, root_node
 from pcaccess.opcua.ids import ITEMS, SYSTEM, item_node, name_in, standard, system_node
 from pcaccess.opcua.values import access_level, data_type_node, data_value, times_of, value_of
 from pcaccess.project.model import Folder, Item, Link, Plc
 from pcaccess.s7200.address import Address
-
-Value = Callable[[], ua.DataValue]
-
-
-@dataclass(slots=True)
-class Reference:
-    """A reference of a node: its type, direction, and the far end by NodeId."""
-
-    type: int
-    target: ua.NodeId
-    forward: bool = True
-
-
-@dataclass(slots=True)
-class Entry:
-    """One node: what Read and Browse may ask of it."""
-
-    node_id: ua.NodeId
-    browse_name: ua.QualifiedName
-    node_class: ua.NodeClass
-    type_definition: int
-    references: Callable[[], Iterator[Reference]]
-    description: str = ""
-    value: Value | None = None
-    data_type: ua.NodeId | None = None
-    array: int = 0
-    """Elements of an array value, 0 for a single value."""
-    access: int = 1
-    row: int | None = None
-    """Row of the item table, for items."""
-    call: Callable[..., Any] | None = None
 
 
 @dataclass(slots=True)
@@ -74,6 +45,7 @@ class Space:
     def __init__(self, gateway: Gateway) -> None:
         self._gateway = gateway
         self._branches: dict[str, _Branch] = {}
+        self._groups = GroupNodes(gateway)
         self.rebuild()
 
     # ------------------------------------------------------------------ structure
@@ -111,6 +83,7 @@ class Space:
         for branch in self._branches.values():
             if branch.kind == "link":
                 yield Reference(ObjectIds.Organizes, item_node(branch.path))
+        yield Reference(ObjectIds.Organizes, root_node())
 
     # ------------------------------------------------------------------ nodes
 
@@ -191,7 +164,7 @@ class Space:
         branch = self._branches.get(owner.casefold())
         if branch is not None and branch.plc is not None:
             return self._plc_variable(branch, last)
-        return None
+        return self._groups.find(name)
 
     def _property(self, row: int, name: str) -> Entry | None:
         item = self._gateway.item(row)

@@ -71,3 +71,8 @@ def times_of(gateway: Gateway, row: int) -> tuple[datetime, datetime]:
     """Source and server time of a row."""
     _, _, source, server = gateway.table.encoded(row)
     return from_ticks(source), from_ticks(server)
+
+
+def type_fits(wanted: DataType, given: ua.VariantType) -> bool:
+    """Whether a value of that variant type may be written to an item of that type (OPC UA converts nothing)."""
+    return given == variant_type(wanted)
