@@ -153,9 +153,8 @@ async def test_beyond_the_bound_no_more_are_made_until_some_are_idle(gateway: Ma
 async def test_the_running_gateway_sweeps_by_itself(gateway: MakeGateway, clock: HandClock) -> None:
     g = gateway(PROJECT)
     assert g.find("2,QB0,BYTE") is not None
-    running = asyncio.get_running_loop().create_task(g.run())
-    await clock.advance(700)
-    assert len(g.dynamic) == 0
-    running.cancel()
-    with pytest.raises(asyncio.CancelledError):
-        await running
+    async with asyncio.TaskGroup() as group:
+        running = group.create_task(g.run())
+        await clock.advance(700)
+        assert len(g.dynamic) == 0
+        running.cancel()

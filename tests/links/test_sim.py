@@ -109,11 +109,10 @@ async def test_constants_can_be_written_and_keep_the_value() -> None:
 
 async def test_the_running_link_moves_its_items_every_tick() -> None:
     sim = Sim()
-    running = asyncio.get_running_loop().create_task(sim.gateway.run())
-    await sim.clock.advance(2.55)
-    sample = sim.gateway.sample(sim.row("D.Ramp"))
-    assert sample.value == pytest.approx(25.0)
-    assert (sim.clock.now() - sample.time).total_seconds() < 0.1
-    running.cancel()
-    with pytest.raises(asyncio.CancelledError):
-        await running
+    async with asyncio.TaskGroup() as group:
+        running = group.create_task(sim.gateway.run())
+        await sim.clock.advance(2.55)
+        sample = sim.gateway.sample(sim.row("D.Ramp"))
+        assert sample.value == pytest.approx(25.0)
+        assert (sim.clock.now() - sample.time).total_seconds() < 0.1
+        running.cancel()
