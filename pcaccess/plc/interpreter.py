@@ -16,8 +16,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from pcaccess.s7200.address import Area
-from pcaccess.s7200.memory import AREA_START
+from pcaccess.plc.frames import pop_frame, push_frame
 from pcaccess.stl import evaluate, ir, layout
 from pcaccess.stl.ir import BinaryOp, IrType
 from pcaccess.stl.runtime import Runtime
@@ -34,7 +33,6 @@ _STRUCT: Final = {
     IrType.I32: struct.Struct(">i"),
     IrType.F32: struct.Struct(">f"),
 }
-_L_START: Final = AREA_START[Area.L]
 
 
 class _Unwind(Exception):
@@ -386,23 +384,6 @@ class _Translator:
 
 def _unwind(_: Registers) -> None:
     raise _Unwind
-
-
-def push_frame(memory: bytearray | memoryview) -> None:
-    """Save L memory and clear it (``ir.PushFrame``)."""
-    depth = memory[layout.CALL_DEPTH]
-    saved = layout.FRAMES + depth * layout.FRAME_SIZE
-    memory[saved : saved + layout.FRAME_SIZE] = bytes(memory[_L_START : _L_START + layout.FRAME_SIZE])
-    memory[_L_START : _L_START + layout.FRAME_SIZE] = bytes(layout.FRAME_SIZE)
-    memory[layout.CALL_DEPTH] = depth + 1
-
-
-def pop_frame(memory: bytearray | memoryview) -> None:
-    """Bring the frame that was saved last back to L memory (``ir.PopFrame``)."""
-    depth = memory[layout.CALL_DEPTH] - 1
-    saved = layout.FRAMES + depth * layout.FRAME_SIZE
-    memory[_L_START : _L_START + layout.FRAME_SIZE] = bytes(memory[saved : saved + layout.FRAME_SIZE])
-    memory[layout.CALL_DEPTH] = depth
 
 
 _STEPS: Final[dict[type, Callable[[_Translator, Any], Step]]] = {

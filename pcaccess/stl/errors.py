@@ -7,6 +7,7 @@ Source:   System Manual, appendix "Error codes" (run-time programming problems, 
 from __future__ import annotations
 
 from enum import IntEnum
+from types import MappingProxyType
 from typing import Final
 
 
@@ -69,3 +70,5 @@ class FatalError(IntEnum):
 INDIRECT_ADDRESS: Final = RunTimeError.INDIRECT_ADDRESS
 OPERAND_RANGE: Final = RunTimeError.OPERAND_RANGE
 COUNT_RANGE: Final = RunTimeError.COUNT_RANGE
+RUN_TIME_ERRORS: Final = MappingProxyType({int(error): error for error in RunTimeError})
+"""By code."""

@@ -28,6 +28,11 @@ def bit_number(place: Place) -> int:
     return place.offset if place.area in _NUMBERED else place.offset * 8 + place.bit
 
 
+def area_start(area: Area) -> int:
+    """Flat address of the byte with bit 0 of the area (T and C: their bits)."""
+    return _NUMBERED[area][0] if area in _NUMBERED else AREA_START[area]
+
+
 def change(b: Routine, first: Place, count: int, on: bool) -> None:
     """Set or reset ``count`` bits that exist, beginning with ``first``."""
     if first.area in _NUMBERED and not on:
@@ -61,9 +66,8 @@ def set_bits(runtime: Runtime, area: Area, first: int, limit: int, on: bool, cou
     if area in _NUMBERED and not on:
         reset_elements(runtime, area, first, count)
         return OK
-    start = _NUMBERED[area][0] if area in _NUMBERED else AREA_START[area]
     for number in range(first, first + count):
-        _change_bit(runtime.memory, start, number, on)
+        _change_bit(runtime.memory, area_start(area), number, on)
     return OK
 
 
