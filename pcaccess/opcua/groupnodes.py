@@ -5,7 +5,7 @@ Source:   docs/architecture.md, groups; OPC UA Part 5, MethodType (InputArgument
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from typing import Any, Final
 
 from asyncua import ua
@@ -17,6 +17,7 @@ from pcaccess.gateway.groups import Group, Source
 from pcaccess.items.quality import Quality
 from pcaccess.opcua.entry import Entry, Reference
 from pcaccess.opcua.ids import SYSTEM, item_node, name_in, standard, system_node
+from pcaccess.opcua.methods import Argument, Method, arguments_entry, method_entry, status
 from pcaccess.opcua.values import WRITE_STATUS, data_value, type_fits, variant
 
 ROOT: Final = "Groups"
@@ -46,8 +47,11 @@ class GroupNodes:
         if len(parts) == 2:
             return self._group(group)
         if len(parts) == 3:
-            return self._setting(group, parts[2]) or self._method(group, parts[2])
-        return self._arguments(group, parts[2], parts[3]) if len(parts) == 4 else None
+            entry = self._setting(group, parts[2])
+            method = self._method(group, parts[2])
+            return method_entry(system_node(ROOT, group.name), f"{ROOT}/{group.name}", method) if method else entry
+        method = self._method(group, parts[2]) if len(parts) == 4 else None
+        return arguments_entry(f"{ROOT}/{group.name}", method, parts[3], self._gateway.clock) if method else None
 
     def _root(self) -> Entry:
         def references() -> Iterator[Reference]:
@@ -66,7 +70,7 @@ class GroupNodes:
             yield Reference(ObjectIds.Organizes, root_node(), forward=False)
             for item_id in group.items:
                 yield Reference(ObjectIds.Organizes, item_node(item_id))
-            for name in (*_SETTINGS, *_METHODS):
+            for name in (*_SETTINGS, *(m.name for m in self._methods(group))):
                 yield Reference(ObjectIds.HasComponent, system_node(path, name))
 
         return Entry(
@@ -103,59 +107,28 @@ class GroupNodes:
             write=lambda new: write(group, new),
         )
 
-    def _method(self, group: Group, name: str) -> Entry | None:
-        found = next((m for m in _METHODS if m.casefold() == name.casefold()), None)
-        if found is None:
-            return None
-        path = f"{ROOT}/{group.name}"
-        call = self._sync_read if found == "SyncRead" else self._sync_write
+    def _methods(self, group: Group) -> tuple[Method, ...]:
+        async def read(source: ua.Variant) -> list[ua.Variant] | ua.StatusCode:
+            return await self._sync_read(group, source)
 
-        async def run(_parent: ua.NodeId, *arguments: ua.Variant) -> Any:
-            return await call(group, arguments)
+        async def write(values: ua.Variant) -> list[ua.Variant] | ua.StatusCode:
+            return await self._sync_write(group, values)
 
-        def references() -> Iterator[Reference]:
-            yield Reference(ObjectIds.HasComponent, system_node(ROOT, group.name), forward=False)
-            for which in ("InputArguments", "OutputArguments"):
-                yield Reference(ObjectIds.HasProperty, system_node(f"{path}/{found}", which))
-
-        return Entry(system_node(path, found), name_in(found, SYSTEM), ua.NodeClass.Method, 0, references, call=run)
-
-    def _arguments(self, group: Group, method: str, which: str) -> Entry | None:
-        found = next((m for m in _METHODS if m.casefold() == method.casefold()), None)
-        if found is None or which not in ("InputArguments", "OutputArguments"):
-            return None
-        owner = f"{ROOT}/{group.name}/{found}"
-        arguments = _METHODS[found][which == "OutputArguments"]
-
-        def value() -> ua.DataValue:
-            now = self._gateway.clock.now()
-            return data_value(
-                ua.Variant([_argument(*a) for a in arguments], ua.VariantType.ExtensionObject, is_array=True), now, now
-            )
-
-        def references() -> Iterator[Reference]:
-            yield Reference(ObjectIds.HasProperty, system_node(f"{ROOT}/{group.name}", found), forward=False)
-
-        return Entry(
-            system_node(owner, which),
-            name_in(which, 0),
-            ua.NodeClass.Variable,
-            ObjectIds.PropertyType,
-            references,
-            value=value,
-            data_type=standard(ObjectIds.Argument),
-            array=len(arguments),
+        return (
+            Method("SyncRead", "Read all items of the group at once", _READ_INPUTS, _READ_OUTPUTS, read),
+            Method("SyncWrite", "Write all items of the group at once", _WRITE_INPUTS, _WRITE_OUTPUTS, write),
         )
+
+    def _method(self, group: Group, name: str) -> Method | None:
+        return next((m for m in self._methods(group) if m.name.casefold() == name.casefold()), None)
 
     # ------------------------------------------------------------------ methods
 
-    async def _sync_read(self, group: Group, arguments: Sequence[ua.Variant]) -> Any:
-        if len(arguments) > 1:
-            return ua.StatusCode(ua.UInt32(StatusCodes.BadTooManyArguments))
+    async def _sync_read(self, group: Group, wanted: ua.Variant) -> list[ua.Variant] | ua.StatusCode:
         try:
-            source = Source(int(arguments[0].Value)) if arguments else Source.CACHE
-        except (TypeError, ValueError):
-            return ua.StatusCode(ua.UInt32(StatusCodes.BadInvalidArgument))
+            source = Source(wanted.Value)
+        except ValueError:
+            return status(StatusCodes.BadInvalidArgument)
         values, qualities, times, errors = [], [], [], []
         now = self._gateway.clock.now()
         for row, sample in zip(group.rows(), await group.read(source), strict=True):
@@ -163,8 +136,8 @@ class GroupNodes:
                 values.append(ua.Variant(None, ua.VariantType.Null))
                 qualities.append(Quality.CONFIG_ERROR.code)
                 times.append(now)
-                status = StatusCodes.BadNodeIdUnknown if row is None else StatusCodes.BadNotReadable
-                errors.append(ua.StatusCode(ua.UInt32(status)))
+                code = StatusCodes.BadNodeIdUnknown if row is None else StatusCodes.BadNotReadable
+                errors.append(status(code))
             else:
                 values.append(variant(self._gateway.table.data_type(row), sample.value))
                 qualities.append(sample.quality.code)
@@ -178,14 +151,11 @@ class GroupNodes:
             ua.Variant(errors, kinds.StatusCode, is_array=True),
         ]
 
-    async def _sync_write(self, group: Group, arguments: Sequence[ua.Variant]) -> Any:
-        if len(arguments) != 1:
-            missing = StatusCodes.BadArgumentsMissing if not arguments else StatusCodes.BadTooManyArguments
-            return ua.StatusCode(ua.UInt32(missing))
-        values = arguments[0].Value
+    async def _sync_write(self, group: Group, argument: ua.Variant) -> list[ua.Variant] | ua.StatusCode:
+        values = argument.Value
         if not isinstance(values, list) or len(values) != len(group.items):
-            return ua.StatusCode(ua.UInt32(StatusCodes.BadInvalidArgument))
-        given = [v if isinstance(v, ua.Variant) else ua.Variant(v, arguments[0].VariantType) for v in values]
+            return status(StatusCodes.BadInvalidArgument)
+        given = [v if isinstance(v, ua.Variant) else ua.Variant(v, argument.VariantType) for v in values]
         wanted: list[Any] = []
         errors: list[int | None] = []
         for row, value in zip(group.rows(), given, strict=True):
@@ -196,7 +166,7 @@ class GroupNodes:
             errors.append(None if fits else StatusCodes.BadTypeMismatch)
         outcomes = await group.write(wanted)
         statuses = [
-            ua.StatusCode(ua.UInt32(WRITE_STATUS[outcome] if error is None else error))
+            status(WRITE_STATUS[outcome] if error is None else error)
             for outcome, error in zip(outcomes, errors, strict=True)
         ]
         return [ua.Variant(statuses, ua.VariantType.StatusCode, is_array=True)]
@@ -229,30 +199,16 @@ _SETTINGS: Final[dict[str, _Setting]] = {
 }
 """UpdateRate in milliseconds, DeadBand in percent of the engineering range; all can be written."""
 
-_Argument = tuple[str, int, bool, str]
-_METHODS: Final[dict[str, tuple[tuple[_Argument, ...], tuple[_Argument, ...]]]] = {
-    "SyncRead": (
-        (("Source", ObjectIds.Int32, False, "1: cache, 2: device"),),
-        (
-            ("Values", ObjectIds.BaseDataType, True, "In the order of the group's items"),
-            ("Qualities", ObjectIds.UInt16, True, "OPC DA quality codes, 192 is good"),
-            ("TimeStamps", ObjectIds.DateTime, True, "Time of the last successful read"),
-            ("Errors", ObjectIds.StatusCode, True, "0 is good"),
-        ),
+_READ_INPUTS: Final = (Argument("Source", ObjectIds.Int32, "1: cache, 2: device"),)
+_READ_OUTPUTS: Final = (
+    Argument("Values", ObjectIds.BaseDataType, "In the order of the group's items", is_array=True),
+    Argument("Qualities", ObjectIds.UInt16, "OPC DA quality codes, 192 is good", is_array=True),
+    Argument("TimeStamps", ObjectIds.DateTime, "Time of the last successful read", is_array=True),
+    Argument("Errors", ObjectIds.StatusCode, "0 is good", is_array=True),
+)
+_WRITE_INPUTS: Final = (
+    Argument(
+        "Values", ObjectIds.BaseDataType, "In the order of the group's items; null leaves an item alone", is_array=True
     ),
-    "SyncWrite": (
-        (("Values", ObjectIds.BaseDataType, True, "In the order of the group's items; null leaves an item alone"),),
-        (("Errors", ObjectIds.StatusCode, True, "0 is good"),),
-    ),
-}
-"""Input and output arguments: name, data type, whether it is an array, description."""
-
-
-def _argument(name: str, data_type: int, is_array: bool, description: str) -> ua.Argument:
-    return ua.Argument(
-        Name=ua.String(name),
-        DataType=standard(data_type),
-        ValueRank=ua.Int32(1 if is_array else -1),
-        ArrayDimensions=[ua.UInt32(0)] if is_array else [],
-        Description=ua.LocalizedText(ua.String(description)),
-    )
+)
+_WRITE_OUTPUTS: Final = (Argument("Errors", ObjectIds.StatusCode, "0 is good", is_array=True),)

@@ -8,6 +8,7 @@ from urllib.parse import urlsplit
 from pcaccess import __version__
 from pcaccess.gateway.gateway import Gateway
 from pcaccess.opcua.asyncua_server import GatewayServer
+from pcaccess.opcua.gatewaynode import Reload
 from pcaccess.opcua.ids import APPLICATION_URI, ITEMS, ITEMS_URI, SYSTEM, SYSTEM_URI
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
@@ -36,6 +37,10 @@ class OpcUaServer:
     @property
     def port(self) -> int:
         return self._port
+
+    def offer_reload(self, reload: Reload) -> None:
+        """Let clients call ``Gateway/Reload``."""
+        self._server.space.gateway_nodes.reload = reload
 
     def watched_rows(self) -> set[int]:
         """Rows that clients are subscribed to."""

@@ -18,6 +18,7 @@ from asyncua.ua.object_ids import ObjectIds
 
 from pcaccess.gateway.gateway import Gateway
 from pcaccess.opcua.entry import Entry, Reference
+from pcaccess.opcua.gatewaynode import GatewayNodes, gateway_node
 from pcaccess.opcua.groupnodes import GroupNodes, root_node
 from pcaccess.opcua.ids import ITEMS, SYSTEM, item_node, name_in, standard, system_node
 from pcaccess.opcua.values import access_level, data_type_node, data_value, times_of, value_of
@@ -46,6 +47,7 @@ class Space:
         self._gateway = gateway
         self._branches: dict[str, _Branch] = {}
         self._groups = GroupNodes(gateway)
+        self.gateway_nodes = GatewayNodes(gateway)
         self.rebuild()
 
     # ------------------------------------------------------------------ structure
@@ -84,6 +86,7 @@ class Space:
             if branch.kind == "link":
                 yield Reference(ObjectIds.Organizes, item_node(branch.path))
         yield Reference(ObjectIds.Organizes, root_node())
+        yield Reference(ObjectIds.Organizes, gateway_node())
 
     # ------------------------------------------------------------------ nodes
 
@@ -164,7 +167,7 @@ class Space:
         branch = self._branches.get(owner.casefold())
         if branch is not None and branch.plc is not None:
             return self._plc_variable(branch, last)
-        return self._groups.find(name)
+        return self._groups.find(name) or self.gateway_nodes.find(name)
 
     def _property(self, row: int, name: str) -> Entry | None:
         item = self._gateway.item(row)
