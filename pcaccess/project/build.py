@@ -68,7 +68,7 @@ class _Builder:
         return Server(endpoint, self._context.duration(source.read_timeout, node, "read_timeout"))
 
     def _dynamic_items(self, source: raw.RawDynamicItems, node: Node) -> DynamicItems:
-        access = find_access(source.access, self._tree.value_span(node, "access"), self._findings)
+        access = find_access(source.access, self._context.where(node), "access", self._findings)
         return DynamicItems(access or Access.RW, source.max, self._context.duration(source.idle, node, "idle"))
 
     def _groups(self, sources: list[raw.RawGroup], root: Node) -> tuple[Group, ...]:

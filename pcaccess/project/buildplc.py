@@ -77,8 +77,8 @@ class PlcBuilder:
         cpu = self._cpu(source, node)
         write_limits: WriteLimits | None = None
         if source.write_limits is not None:
-            limits_span = self._tree.value_span(node, "write_limits")
-            write_limits = find_write_limits(source.write_limits, limits_span, self._findings)
+            where = self._context.where(node)
+            write_limits = find_write_limits(source.write_limits, where, "write_limits", self._findings)
         options: dict[str, Any] = {"write_limits": write_limits or WriteLimits.NONE}
         if isinstance(source, raw.SoftPlc):
             options |= self._soft(source, node)
@@ -196,7 +196,7 @@ class PlcBuilder:
             if source.scaling:
                 line = source.scaling
                 text.scaling = Scaling(line.raw[0], line.raw[1], line.scaled[0], line.scaled[1], line.clamp)
-        return maker.make(text, item_id, span, lambda key: self._tree.value_span(node, key), self._broken(node))
+        return maker.make(text, item_id, span, self._context.where(node), self._broken(node))
 
     def _broken(self, node: Node) -> Container[str]:
         if not self._context.taken_out:

@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 
 from pcaccess.problems import nearest_word
 from pcaccess.project.durations import EXPECTED, DurationError, parse_duration
+from pcaccess.project.itemtext import Where
 from pcaccess.project.network import NetworkError, OpenEndpointError
 from pcaccess.project.problems import Findings
 from pcaccess.project.yamltext import Mapping, Node, Sequence, Tree
@@ -32,6 +33,10 @@ class Context:
     """(id of node, key) that were wrong and are gone."""
     files: list[Path] = field(default_factory=list)
     """Files that the project names."""
+
+    def where(self, node: Node) -> Where:
+        """From the keys of ``node`` to where their values stand."""
+        return lambda key: self.tree.value_span(node, key)
 
     def report(self, code: str, node: Node, key: str, message: str, **more: Any) -> None:
         self.findings.report(code, self.tree.value_span(node, key), f"{key}: {message}", **more)

@@ -62,35 +62,37 @@ FOREIGN_TYPES: Final = {
 }
 """Words of other systems, for "did you mean"."""
 
+FIRST_WRITABLE_SM: Final = 30
+"""Source: source document 000, appendix C."""
 _NOT_BY_PPI: Final = {Area.L: "L memory", Area.AC: "an accumulator"}
 _BY_MODBUS: Final = frozenset({Area.I, Area.Q, Area.V, Area.AI})
 _SIGNED: Final = {Width.BYTE: DataType.CHAR, Width.WORD: DataType.INT, Width.DWORD: DataType.DINT}
 
 
-def find_type(word: str, span: Span, findings: Findings) -> DataType | None:
+def find_type(word: str, where: Where, key: str, findings: Findings) -> DataType | None:
     """The type of that name in any case; reports an unknown one."""
     plain = word.strip().upper()
     if plain not in DATA_TYPE_NAMES:
         nearest = FOREIGN_TYPES.get(plain) or nearest_word(word, DATA_TYPE_NAMES)
         expected = f"one of {', '.join(DATA_TYPE_NAMES)}"
-        findings.report("PRJ011", span, f"there is no type {word!r}", expected=expected, nearest=nearest)
+        findings.report("PRJ011", where(key), f"there is no type {word!r}", expected=expected, nearest=nearest)
     return DATA_TYPE_NAMES.get(plain)
 
 
-def find_access(word: str, span: Span, findings: Findings) -> Access | None:
+def find_access(word: str, where: Where, key: str, findings: Findings) -> Access | None:
     plain = word.strip().upper()
     if plain not in ACCESS_NAMES:
-        findings.report("PRJ011", span, f"there is no access {word!r}", expected="R, W or RW")
+        findings.report("PRJ011", where(key), f"there is no access {word!r}", expected="R, W or RW")
     return ACCESS_NAMES.get(plain)
 
 
-def find_write_limits(word: str, span: Span, findings: Findings) -> WriteLimits | None:
+def find_write_limits(word: str, where: Where, key: str, findings: Findings) -> WriteLimits | None:
     words = {w.value: w for w in WriteLimits}
     plain = word.strip().lower()
     if plain not in words:
         findings.report(
             "PRJ011",
-            span,
+            where(key),
             f"there are no write limits {word!r}",
             expected="none, refuse or clamp",
             nearest=nearest_word(word, words),
@@ -98,8 +100,15 @@ def find_write_limits(word: str, span: Span, findings: Findings) -> WriteLimits 
     return words.get(plain)
 
 
-_Place = tuple[Address | str, DataType, DataType, int]
-"""Address, served type, type in memory, length."""
+@dataclass(slots=True)
+class _Place:
+    """Where the value is and what it is made of."""
+
+    address: Address | str
+    data_type: DataType
+    raw_type: DataType
+    length: int = 0
+    why_read_only: str = ""
 
 
 class ItemMaker:
@@ -135,13 +144,12 @@ class ItemMaker:
         else:
             place = self._in_memory(text, where, broken)
         limits = self._limits(text, where, broken)
-        access = self._access(text, where, place[0] if place else None)
+        access = self._access(text, where, place.why_read_only if place else "")
         write_limits = self._limited_writes(text, where, limits)
         if place is None or access is None or write_limits is None or self._findings.errors > before:
             return None
-        address, data_type, raw_type, length = place
-        if limits and data_type in (DataType.BOOL, DataType.STRING):
-            self._report("PRJ025", where("high"), f"high and low belong to numbers; this is {data_type.name}")
+        if limits and place.data_type in (DataType.BOOL, DataType.STRING):
+            self._report("PRJ025", where("high"), f"high and low belong to numbers; this is {place.data_type.name}")
             return None
         scaling = self._scalings.setdefault(text.scaling, text.scaling) if text.scaling else None
         low, high = limits or (None, None)
@@ -149,12 +157,12 @@ class ItemMaker:
             item_id=item_id,
             name=text.name,
             station=self._station,
-            address=address,
-            data_type=data_type,
-            raw_type=raw_type,
+            address=place.address,
+            data_type=place.data_type,
+            raw_type=place.raw_type,
             access=access,
             span=span,
-            length=length,
+            length=place.length,
             low=low,
             high=high,
             unit=self._texts.setdefault(text.unit, text.unit),
@@ -167,7 +175,7 @@ class ItemMaker:
         self._findings.report(code, span, message, expected=expected)
 
     def _type(self, word: str | None, key: str, where: Where, default: DataType) -> DataType | None:
-        return default if word is None else find_type(word, where(key), self._findings)
+        return default if word is None else find_type(word, where, key, self._findings)
 
     # -- what lies where ---------------------------------------------------------------------------------------
 
@@ -185,7 +193,9 @@ class ItemMaker:
         except (WaveError, ValueRangeError, ValueTypeError) as error:
             self._report("PRJ019", where("type" if text.type else "address"), f"{text.address}: {error}")
             return None
-        return text.address, data_type, data_type, MAX_STRING if data_type is DataType.STRING else 0
+        length = MAX_STRING if data_type is DataType.STRING else 0
+        why = "" if wave.kind.is_writable else f"{text.address} is what it is"
+        return _Place(text.address, data_type, data_type, length, why)
 
     def _foreign(self, text: ItemText, where: Where) -> _Place | None:
         if text.type is None:
@@ -193,13 +203,13 @@ class ItemMaker:
                 "PRJ009", where("name"), "the key 'type' is missing: nobody can tell before the other server answers"
             )
             return None
-        data_type = find_type(text.type, where("type"), self._findings)
+        data_type = find_type(text.type, where, "type", self._findings)
         if not text.address.strip():
             self._report("PRJ017", where("address"), "the address is empty", "a NodeId such as ns=2;s=A.B.T1")
             return None
         if data_type is None:
             return None
-        return text.address, data_type, data_type, MAX_STRING if data_type is DataType.STRING else 0
+        return _Place(text.address, data_type, data_type, MAX_STRING if data_type is DataType.STRING else 0)
 
     def _in_memory(self, text: ItemText, where: Where, broken: Container[str]) -> _Place | None:
         try:
@@ -226,7 +236,7 @@ class ItemMaker:
             return None
         self._check_range(address, length + 1 if length else 0, where)
         self._check_reach(address, where)
-        return address, data_type, raw_type, length
+        return _Place(address, data_type, raw_type, length, _why_read_only(address))
 
     def _types(
         self, text: ItemText, address: Address, where: Where, no_scaling: bool
@@ -283,28 +293,14 @@ class ItemMaker:
 
     # -- what may be done with it ------------------------------------------------------------------------------
 
-    def _access(self, text: ItemText, where: Where, address: Address | str | None) -> Access | None:
-        why = "" if address is None else self._why_read_only(address)
+    def _access(self, text: ItemText, where: Where, why_read_only: str) -> Access | None:
         if text.access is None:
-            return Access.R if why else Access.RW
-        access = find_access(text.access, where("access"), self._findings)
-        if access is None:
-            return None
-        if why and access is not Access.R:
-            self._report("PRJ026", where("access"), f"{why}; access is taken as R")
+            return Access.R if why_read_only else Access.RW
+        access = find_access(text.access, where, "access", self._findings)
+        if why_read_only and access in (Access.W, Access.RW):
+            self._report("PRJ026", where("access"), f"{why_read_only}; access is taken as R")
             return Access.R
         return access
-
-    def _why_read_only(self, address: Address | str) -> str:
-        if isinstance(address, str):
-            if self._link is LinkType.SIM and not parse_wave(address).kind.is_writable:
-                return f"{address} moves by itself" if "QUALITY" not in address.upper() else f"{address} is fixed"
-            return ""
-        if address.area is Area.HC:
-            return f"{address}: the hardware counts, a program can only read it"
-        if address.area is Area.SM and address.offset < 30:
-            return f"{address}: SMB0 to SMB29 are read-only in an S7-200"
-        return ""
 
     def _limits(self, text: ItemText, where: Where, broken: Container[str]) -> tuple[float, float] | None:
         low, high = text.low, text.high
@@ -325,9 +321,17 @@ class ItemMaker:
     def _limited_writes(self, text: ItemText, where: Where, limits: tuple[float, float] | None) -> WriteLimits | None:
         if text.write_limits is None:
             return self._write_limits if limits else WriteLimits.NONE
-        found = find_write_limits(text.write_limits, where("write_limits"), self._findings)
+        found = find_write_limits(text.write_limits, where, "write_limits", self._findings)
         if found not in (None, WriteLimits.NONE) and limits is None and text.low is None and text.high is None:
             self._report(
                 "PRJ023", where("write_limits"), f"{text.write_limits} needs high and low, and this item has none"
             )
         return found
+
+
+def _why_read_only(address: Address) -> str:
+    if address.area is Area.HC:
+        return f"{address}: the hardware counts, a program can only read it"
+    if address.area is Area.SM and address.offset < FIRST_WRITABLE_SM:
+        return f"{address}: SMB0 to SMB29 are read-only in an S7-200"
+    return ""

@@ -113,6 +113,8 @@ def parse_wave(text: str) -> Wave:
 
 
 def _split(inside: str, text: str) -> list[str]:
+    if "'" not in inside and "(" not in inside:
+        return [argument.strip() for argument in inside.split(",")] if inside.strip() else []
     arguments, at = [], 0
     while True:
         match = _ARGUMENT.match(inside, at)

@@ -302,12 +302,22 @@ def _own_address(written: str, data_type: str | None) -> tuple[str, int | None]:
 
 def _cell_at(line: str, column: int, delimiter: str) -> tuple[int, int]:
     """Where a cell stands in its line, from 1, and how long it is; quotation marks belong to it."""
-    start, quoted, at = 0, False, 0
-    for index, character in enumerate(line):
-        if character == '"':
-            quoted = not quoted
-        elif character == delimiter and not quoted:
-            if at == column:
-                return start + 1, max(1, index - start)
-            start, at = index + 1, at + 1
-    return (start + 1, max(1, len(line) - start)) if at == column else (1, max(1, len(line)))
+    start = 0
+    for at in range(column + 1):
+        end = _end_of_cell(line, start, delimiter)
+        if at == column:
+            return start + 1, max(1, end - start)
+        if end == len(line):
+            break
+        start = end + 1
+    return 1, max(1, len(line))
+
+
+def _end_of_cell(line: str, start: int, delimiter: str) -> int:
+    at = start
+    if line.startswith('"', start):
+        at += 1
+        while (at := line.find('"', at)) >= 0 and line.startswith('""', at):
+            at += 2
+    end = line.find(delimiter, at) if at >= 0 else -1
+    return len(line) if end < 0 else end
