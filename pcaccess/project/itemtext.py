@@ -17,6 +17,7 @@ from pcaccess.project.problems import Findings
 from pcaccess.project.sim import WaveError, parse_wave
 from pcaccess.s7200.address import Address, AddressError, Area, Width, parse_address
 from pcaccess.s7200.cpu import CpuModel
+from pcaccess.s7200.special import LAST_READ_ONLY_SM, true_of_memory_alone
 from pcaccess.s7200.types import DATA_TYPE_NAMES, MAX_STRING, DataType, ValueRangeError, ValueTypeError
 
 Where = Callable[[str], Span]
@@ -62,8 +63,6 @@ FOREIGN_TYPES: Final = {
 }
 """Words of other systems, for "did you mean"."""
 
-FIRST_WRITABLE_SM: Final = 30
-"""Source: source document 000, appendix C."""
 _NOT_BY_PPI: Final = {Area.L: "L memory", Area.AC: "an accumulator"}
 _BY_MODBUS: Final = frozenset({Area.I, Area.Q, Area.V, Area.AI})
 _SIGNED: Final = {Width.BYTE: DataType.CHAR, Width.WORD: DataType.INT, Width.DWORD: DataType.DINT}
@@ -234,8 +233,9 @@ class ItemMaker:
             self._report("PRJ019", where("raw_type" if text.raw_type else "type"), str(error))
             self._check_range(address, 0, where)
             return None
-        self._check_range(address, length + 1 if length else 0, where)
-        self._check_reach(address, where)
+        size = length + 1 if length else 0
+        self._check_range(address, size, where)
+        self._check_reach(address, size, where)
         return _Place(address, data_type, raw_type, length, _why_read_only(address))
 
     def _types(
@@ -274,15 +274,12 @@ class ItemMaker:
         except AddressError as error:
             self._report("PRJ018", where("address"), str(error))
 
-    def _check_reach(self, address: Address, where: Where) -> None:
+    def _check_reach(self, address: Address, size: int, where: Where) -> None:
         """Items that this link can never read."""
         if self._link is LinkType.SOFT:
-            if address.area is Area.SM and not self._runs_program:
-                self._report(
-                    "PRJ034",
-                    where("address"),
-                    f"{address}: special memory is filled by a running CPU, and this PLC has no program",
-                )
+            if not self._runs_program and not true_of_memory_alone(address, size or None):
+                message = f"{address}: only a running CPU keeps it true, and this PLC has no program"
+                self._report("PRJ034", where("address"), message)
         elif self._link in (LinkType.PPI, LinkType.S7TCP):
             if address.area in _NOT_BY_PPI:
                 self._report(
@@ -332,6 +329,6 @@ class ItemMaker:
 def _why_read_only(address: Address) -> str:
     if address.area is Area.HC:
         return f"{address}: the hardware counts, a program can only read it"
-    if address.area is Area.SM and address.offset < FIRST_WRITABLE_SM:
-        return f"{address}: SMB0 to SMB29 are read-only in an S7-200"
+    if address.area is Area.SM and address.offset <= LAST_READ_ONLY_SM:
+        return f"{address}: SMB0 to SMB{LAST_READ_ONLY_SM} are read-only in an S7-200"
     return ""

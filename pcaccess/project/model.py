@@ -123,7 +123,7 @@ class Item:
     raw_type: DataType
     """Type in the PLC's memory."""
     access: Access
-    span: Span
+    span: Span = field(compare=False)
     length: int = 0
     """Characters a STRING has room for; 0 for other types."""
     low: float | None = None
@@ -200,7 +200,7 @@ class Port:
     parity: Parity
     unit: int
     """Modbus unit; for PPI the PLC's own address is used."""
-    span: Span
+    span: Span = field(compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -213,7 +213,7 @@ class Plc:
     address: int
     """PPI station 0..126; unique on its link where it has a meaning there."""
     cpu: CpuModel
-    span: Span
+    span: Span = field(compare=False)
     description: str = ""
     connected: bool = True
     write_limits: WriteLimits = WriteLimits.NONE
@@ -260,7 +260,7 @@ class Link:
     name: str
     type: LinkType
     plcs: tuple[Plc, ...]
-    span: Span
+    span: Span = field(compare=False)
     description: str = ""
     serial: SerialLine | None = None
     """Of ppi, modbus-rtu and modbus-ascii links."""
@@ -280,7 +280,7 @@ class Group:
     dead_band: float
     items: tuple[str, ...]
     """Item IDs as the items themselves have them."""
-    span: Span
+    span: Span = field(compare=False)
     description: str = ""
 
 
