@@ -90,8 +90,6 @@ class Monitor:
     last: ua.DataValue | None = None
     queue: deque[ua.DataValue] = field(default_factory=deque)
     sampled_at: int = 0
-    gone: bool = False
-    """Its node was removed while it was watched; said once."""
 
     @property
     def is_plain(self) -> bool:
@@ -103,6 +101,12 @@ class Monitor:
             and self.filter.trigger == ua.DataChangeTrigger.StatusValue
             and not self.wanted.IndexRange
         )
+
+    def resize(self, size: int) -> None:
+        """Make the queue that long; a shorter one loses values as if they had come into it."""
+        kept, self.queue, self.queue_size = self.queue, deque(), size
+        for value in kept:
+            self.push(value)
 
     def push(self, value: ua.DataValue) -> None:
         """Queue a sample that passed the filter; a full queue loses one and says so in its status."""
@@ -167,8 +171,8 @@ class ItemMonitors(MonitoredItemService):
         if isinstance(made, int):
             result.StatusCode = ua.StatusCode(ua.UInt32(made))
             return result
+        self._disarrange()
         self._monitors[made.id] = made
-        self._arranged = False
         if made.mode != ua.MonitoringMode.Disabled:
             self._gateway.freshen([made.row] if made.row is not None else [])
         result.MonitoredItemId = ua.IntegerId(made.id)
@@ -215,8 +219,8 @@ class ItemMonitors(MonitoredItemService):
         return monitor
 
     def _revise(self, monitor: Monitor, asked: ua.MonitoringParameters) -> None:
-        monitor.queue_size = max(1, min(int(asked.QueueSize), MAX_QUEUE))
         monitor.discard_oldest = bool(asked.DiscardOldest)
+        monitor.resize(max(1, min(int(asked.QueueSize), MAX_QUEUE)))
         publishing = float(self.isub.data.RevisedPublishingInterval)
         asked_rate = float(asked.SamplingInterval)
         if monitor.queue_size == 1 or asked_rate < 0:
@@ -255,10 +259,10 @@ class ItemMonitors(MonitoredItemService):
         filter_ = self._filter(params.RequestedParameters.Filter, monitor.row)
         if isinstance(filter_, int):
             return ua.MonitoredItemModifyResult(StatusCode=ua.StatusCode(ua.UInt32(filter_)))
+        self._disarrange()
         monitor.filter = filter_
         monitor.handle = int(params.RequestedParameters.ClientHandle)
         self._revise(monitor, params.RequestedParameters)
-        self._arranged = False
         return ua.MonitoredItemModifyResult(
             RevisedSamplingInterval=ua.Duration(monitor.sampling), RevisedQueueSize=ua.Counter(monitor.queue_size)
         )
@@ -267,22 +271,24 @@ class ItemMonitors(MonitoredItemService):
         monitor = self._monitors.get(mid)
         if monitor is None:
             return await super()._set_monitoring_mode(mode, mid)
+        self._disarrange()
         if monitor.mode == ua.MonitoringMode.Disabled:
             monitor.seen, monitor.last = -1, None
         if mode == ua.MonitoringMode.Disabled:
             monitor.queue.clear()
         monitor.mode = mode
-        self._arranged = False
         return ua.StatusCode()
 
     def _delete_monitored_items(self, mid: int) -> ua.StatusCode:
-        if self._monitors.pop(mid, None) is None:
+        if mid not in self._monitors:
             return super()._delete_monitored_items(mid)
-        self._arranged = False
+        self._disarrange()
+        del self._monitors[mid]
         return ua.StatusCode()
 
     def delete_all_monitored_items(self) -> None:
         super().delete_all_monitored_items()
+        self._disarrange()
         self._monitors.clear()
         self._arrange()
 
@@ -292,10 +298,17 @@ class ItemMonitors(MonitoredItemService):
         """Rows that somebody is told about: their PLCs are polled, and they are in use."""
         return [m.row for m in self._monitors.values() if m.row is not None and m.mode != ua.MonitoringMode.Disabled]
 
+    def _disarrange(self) -> None:
+        """Before a monitored item comes, goes or changes: take back what the columns know."""
+        if self._arranged:
+            for monitor, seen in zip(self._plain, self._plain_seen.tolist(), strict=True):
+                monitor.seen = seen
+            self._arranged = False
+
     def _arrange(self) -> None:
-        self._remember()
+        self._disarrange()
         self._rebind()
-        active = [m for m in self._monitors.values() if m.mode != ua.MonitoringMode.Disabled and not m.gone]
+        active = [m for m in self._monitors.values() if m.mode != ua.MonitoringMode.Disabled]
         self._plain = [m for m in active if m.is_plain and m.mode == ua.MonitoringMode.Reporting]
         plain = {m.id for m in self._plain}
         self._sampled = [m for m in active if m.id not in plain]
@@ -312,10 +325,6 @@ class ItemMonitors(MonitoredItemService):
             self._unlisten = None
         self._arranged = True
 
-    def _remember(self) -> None:
-        for monitor, seen in zip(self._plain, self._plain_seen.tolist(), strict=True):
-            monitor.seen = max(monitor.seen, seen) if monitor.seen >= 0 else seen
-
     def _rebind(self) -> None:
         """Rows come and go when the project changes; a monitored item follows its NodeId."""
         self._generation = self._gateway.table.generation
@@ -325,7 +334,6 @@ class ItemMonitors(MonitoredItemService):
             row = self._space.row(monitor.wanted.NodeId)
             if row != monitor.row:
                 monitor.row, monitor.seen, monitor.last = row, -1, None
-                monitor.gone = False
 
     def _rows_changed(self, rows: Rows) -> None:
         """A queue keeps changes between publishes, no faster than its sampling interval."""
