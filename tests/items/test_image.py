@@ -232,3 +232,13 @@ def test_a_memory_larger_than_all_items_is_fine_and_an_empty_update_does_nothing
     assert plc.changed() == []
     plc.image.update(b"\x01\x02", 6, 62)
     assert plc.value(0) == 0x0102
+
+
+def test_rows_added_later_show_what_is_known_already() -> None:
+    plc = Plc([Field(0, 0, 0, DataType.BYTE)])
+    plc.image.update(b"\x01\x02\x03", 5)
+    late = plc.table.add("late", DataType.BYTE)
+    plc.image.add([Field(late, 2, 0, DataType.BYTE)])
+    plc.image.repeat(6)
+    assert plc.value(late) == 3
+    assert plc.table.sample(late).quality is Quality.GOOD

@@ -1,43 +1,14 @@
-"""A gateway in this process and a clock that stands still, for tests of the OPC UA side without a socket."""
+"""A gateway in this process and a clock that tests move by hand, for tests of the OPC UA side without a socket."""
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Callable
-from datetime import UTC, datetime, timedelta
 
 import pytest
 
 from pcaccess.gateway.gateway import Gateway
 from pcaccess.project.load import load_text
-
-
-class StillClock:
-    """Time moves only by :meth:`advance`; whoever sleeps wakes then."""
-
-    def __init__(self) -> None:
-        self._now = datetime(2026, 11, 22, 12, tzinfo=UTC)
-        self._elapsed = 0.0
-        self._sleepers: list[tuple[float, asyncio.Event]] = []
-
-    def now(self) -> datetime:
-        return self._now
-
-    def monotonic(self) -> float:
-        return self._elapsed
-
-    async def sleep(self, seconds: float) -> None:
-        event = asyncio.Event()
-        self._sleepers.append((self._elapsed + seconds, event))
-        await event.wait()
-
-    def advance(self, seconds: float) -> None:
-        self._elapsed += seconds
-        self._now += timedelta(seconds=seconds)
-        for due, event in self._sleepers:
-            if due <= self._elapsed:
-                event.set()
-        self._sleepers = [entry for entry in self._sleepers if not entry[1].is_set()]
+from tests.clocks import HandClock
 
 
 PLANT = """
@@ -84,17 +55,17 @@ MakeGateway = Callable[..., Gateway]
 
 
 @pytest.fixture
-def clock() -> StillClock:
-    return StillClock()
+def clock() -> HandClock:
+    return HandClock()
 
 
 @pytest.fixture
-def make_gateway(clock: StillClock) -> MakeGateway:
-    """Gateways of a project text; started, but with no task that runs."""
+def make_gateway(clock: HandClock) -> MakeGateway:
+    """Gateways of a project text; they show what is there, but no task runs."""
 
     def make(text: str = PLANT) -> Gateway:
         gateway = Gateway(load_text(text).project, clock)
-        gateway.start()
+        gateway.show()
         return gateway
 
     return make

@@ -110,7 +110,7 @@ async def test_only_the_times_asked_for_are_returned(
 
 
 async def test_a_memory_plc_is_as_new_as_the_question(service: Service, clock: Any) -> None:
-    clock.advance(60)
+    clock.move(60)
     assert (await service.read(PLC + "Temperature")).SourceTimestamp == clock.now()
 
 
@@ -118,7 +118,7 @@ async def test_a_lost_plc_keeps_value_and_time(service: Service, gateway: Gatewa
     assert await service.write(PLC + "Temperature", 7, Int16) == 0
     then = clock.now()
     gateway.lost("MicroWin.NewPLC", Quality.COMM_FAILURE)
-    clock.advance(5)
+    clock.move(5)
     row = gateway.find("MicroWin.NewPLC.Temperature")
     assert row is not None
     sample = gateway.table.sample(row)
@@ -316,9 +316,9 @@ async def test_writes_of_one_request_take_effect_in_their_order(service: Service
 
 async def test_times_do_not_run_backwards(service: Service, clock: Any) -> None:
     before = (await service.read(PLC + "Temperature")).SourceTimestamp
-    clock.advance(0.005)
+    clock.move(0.005)
     assert await service.write(PLC + "Temperature", 3, Int16) == 0
-    clock.advance(0.005)
+    clock.move(0.005)
     after = (await service.read(PLC + "Temperature")).SourceTimestamp
     assert before is not None
     assert after is not None

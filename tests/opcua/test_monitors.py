@@ -76,7 +76,7 @@ class Watch:
         row = self.gateway.find(PLC + item)
         assert row is not None
         for value in values:
-            self.clock.advance(every)
+            self.clock.move(every)
             self.gateway.table.put(row, value, self.gateway.now())
 
     def lose(self, item: str, quality: Quality) -> None:
