@@ -10,7 +10,6 @@ from pcaccess.gateway.gateway import Gateway
 from pcaccess.project.load import load_text
 from tests.clocks import HandClock
 
-
 PLANT = """
 links:
   - name: MicroWin
