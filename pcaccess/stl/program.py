@@ -67,7 +67,10 @@ class Direct:
 
 @dataclass(frozen=True, slots=True)
 class Indirect:
-    """``*AC1 *VD16 *LD34``: the place that ``pointer`` points to."""
+    """``*AC1 *VD16 *LD34``: the place that ``pointer`` points to.
+
+    A local STRING is one too: its L address holds a pointer to the text. ``symbol``: as written, with its ``*``.
+    """
 
     pointer: Address
     span: Span = field(compare=False, repr=False)
@@ -76,7 +79,7 @@ class Indirect:
 
 @dataclass(frozen=True, slots=True)
 class AddressOf:
-    """``&VB100``: a pointer to ``address``."""
+    """``&VB100``: a pointer to ``address``. ``symbol``: as written, with its ``&``."""
 
     address: Address
     span: Span = field(compare=False, repr=False)

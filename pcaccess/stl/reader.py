@@ -1,0 +1,283 @@
+"""A program file to a :class:`Program`: everything that is wrong with the text is collected, nothing raises.
+
+Steps: bytes to text (``text``), lines to blocks and statements (``blocks``), declarations to local variables
+(``variables``), words to operands (``operands``). What an instruction accepts is the checker's business.
+
+Files:    ``read_program(path)`` also takes ``NAME.sym`` (symbol table) and ``NAME.db`` (data block) that lie beside
+          ``NAME.awl``; both may also stand in the program file itself, as ``plc list`` writes them.
+Errors:   problems in the result; OSError when the file cannot be opened, LookupError for an unknown ``encoding``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final
+
+from pcaccess.problems import Problem, ProblemError, Span
+from pcaccess.stl.blocks import RawBlock, RawFile, read_blocks
+from pcaccess.stl.datablock import parse_data_block, read_data_block
+from pcaccess.stl.definitions import DEFINITIONS
+from pcaccess.stl.foreign import GERMAN, LADDER, S7_300, SMART, s7_300_lines
+from pcaccess.stl.lexer import Statement
+from pcaccess.stl.operands import OperandReader
+from pcaccess.stl.problems import Collector
+from pcaccess.stl.program import (
+    DataBlock,
+    Instruction,
+    Network,
+    Pou,
+    PouKind,
+    PouReference,
+    Program,
+    SymbolTable,
+)
+from pcaccess.stl.symbols import parse_symbols, read_symbols
+from pcaccess.stl.text import NotText, decode
+from pcaccess.stl.variables import read_variables
+
+SYMBOL_SUFFIXES: Final = (".sym", ".SYM")
+DATA_SUFFIXES: Final = (".db", ".DB")
+_FOREIGN_SHOWN: Final = 4
+
+
+@dataclass(frozen=True, slots=True)
+class ReadResult:
+    """``program`` is None when the file holds none; it may be incomplete when there are errors."""
+
+    program: Program | None
+    problems: tuple[Problem, ...]
+    """In file order."""
+    text: str = field(default="", repr=False)
+    """The decoded text, for showing problems."""
+    left_out: int = 0
+    """Problems beyond the first thousand, which are not kept."""
+
+    @property
+    def ok(self) -> bool:
+        return self.program is not None and not any(problem.is_error for problem in self.problems)
+
+    def unwrap(self) -> Program:
+        """The program; raises ProblemError with everything that is wrong when there is an error."""
+        if self.program is None or not self.ok:
+            raise ProblemError(self.problems)
+        return self.program
+
+
+def read_program(
+    data: bytes | Path,
+    *,
+    file: str | None = None,
+    encoding: str | None = None,
+    symbols: SymbolTable | None = None,
+    data_block: DataBlock | None = None,
+) -> ReadResult:
+    """Read a program from a file or from its bytes.
+
+    ``file``: the name for messages. ``encoding``: forces a Python codec instead of detection. ``symbols`` and
+    ``data_block``: instead of those beside or inside the file.
+    """
+    name = file or (str(data) if isinstance(data, Path) else "program.awl")
+    problems = Collector(name)
+    raw = data.read_bytes() if isinstance(data, Path) else data
+    try:
+        decoded = decode(raw, encoding)
+    except NotText as error:
+        problems.add("STL002", problems.span(1, 1), str(error))
+        return ReadResult(None, _sorted(problems.problems))
+    lines = decoded.text.split("\n")
+    if not any(line.strip() for line in lines):
+        problems.add("STL001", problems.span(1, 1), "the file is empty", expected="an S7-200 program in STL")
+        return ReadResult(None, _sorted(problems.problems), decoded.text)
+    foreign = s7_300_lines(lines)
+    if foreign:
+        _report_s7_300(foreign, lines, problems)
+        return ReadResult(None, _sorted(problems.problems), decoded.text)
+    raw_file = read_blocks(lines, problems, DEFINITIONS)
+    statements = [s.mnemonic for block in raw_file.blocks for network in block.networks for s in network.statements]
+    hopeless = bool(statements) and not any(word in DEFINITIONS or word in _EXPLAINED for word in statements)
+    if hopeless or not raw_file.blocks:
+        _report_no_program(lines, problems, hopeless)
+        return ReadResult(None, _sorted(problems.problems), decoded.text)
+    further: list[Problem] = []
+    if symbols is None:
+        symbols = _symbols(data, raw_file, problems, decoded.encoding, further)
+    if data_block is None:
+        data_block = _data_block(data, raw_file, problems, decoded.encoding, symbols, further)
+    pous = _pous(raw_file, problems, symbols, decoded.encoding)
+    program = Program(pous, symbols, data_block, name, decoded.encoding)
+    return ReadResult(program, _sorted([*problems.problems, *further]), decoded.text, problems.left_out)
+
+
+def _sorted(problems: Iterable[Problem]) -> tuple[Problem, ...]:
+    return tuple(sorted(problems, key=lambda p: (p.span, p.code)))
+
+
+# -- files that hold no S7-200 program
+
+
+def _report_s7_300(numbers: Sequence[int], lines: Sequence[str], problems: Collector) -> None:
+    def span(number: int) -> Span:
+        line = lines[number - 1]
+        return problems.span(number, len(line) - len(line.lstrip()) + 1, len(line.strip()))
+
+    more = tuple((span(number), "and here") for number in numbers[1:_FOREIGN_SHOWN])
+    message = "this is a program for an S7-300 or S7-400; an S7-200 has another statement list"
+    expected = "an STL program exported from STEP 7-Micro/WIN"
+    problems.add("STL003", span(numbers[0]), message, expected=expected, related=more)
+
+
+def _report_no_program(lines: Sequence[str], problems: Collector, has_words: bool) -> None:
+    first = next(number for number, line in enumerate(lines, 1) if line.strip())
+    line = lines[first - 1]
+    span = problems.span(first, len(line) - len(line.lstrip()) + 1, len(line.strip()))
+    problems.problems.clear()
+    if has_words:
+        message = "no line of this file is an instruction of an S7-200"
+        problems.add("STL002", span, message, expected="an STL program (.awl text)", where="")
+    else:
+        problems.add("STL001", span, "there are only comments in this file", expected="an STL program", where="")
+
+
+# -- symbols and data
+
+
+def _beside(data: bytes | Path, suffixes: Sequence[str]) -> Path | None:
+    if not isinstance(data, Path):
+        return None
+    found = (data.with_suffix(suffix) for suffix in suffixes)
+    return next((path for path in found if path != data and path.is_file()), None)
+
+
+def _symbols(
+    data: bytes | Path, raw: RawFile, problems: Collector, encoding: str, further: list[Problem]
+) -> SymbolTable:
+    path = _beside(data, SYMBOL_SUFFIXES)
+    inside = parse_symbols(raw.symbols, problems, encoding)
+    if path is None or raw.symbols:
+        return inside
+    table, found = read_symbols(path)
+    further += found
+    return table
+
+
+def _data_block(
+    data: bytes | Path,
+    raw: RawFile,
+    problems: Collector,
+    encoding: str,
+    symbols: SymbolTable,
+    further: list[Problem],
+) -> DataBlock:
+    path = _beside(data, DATA_SUFFIXES)
+    inside = parse_data_block(raw.data, problems, encoding, symbols)
+    if path is None or raw.data:
+        return inside
+    block, found = read_data_block(path, symbols=symbols)
+    further += found
+    return block
+
+
+# -- blocks
+
+
+def _pous(raw: RawFile, problems: Collector, symbols: SymbolTable, encoding: str) -> tuple[Pou, ...]:
+    names: dict[str, PouReference] = {}
+    numbers: dict[tuple[PouKind, int], RawBlock] = {}
+    kept = []
+    for block in raw.blocks:
+        first = numbers.setdefault((block.kind, block.number), block)
+        if first is not block:
+            related = ((first.span, f"{first.name} is here"),)
+            message = f"there are two blocks {block.kind.value}{block.number}"
+            problems.add("STL006", block.span, message, expected="one block of each number", related=related)
+            continue
+        same = names.get(block.name.casefold())
+        if same is not None:
+            message = f"{same.kind.value}{same.number} has the name {block.name} already"
+            problems.add("STL006", block.span, message, expected="another name", related=((same.span, "here"),))
+        else:
+            names[block.name.casefold()] = PouReference(block.kind, block.number, block.name, block.span)
+        kept.append(block)
+    return tuple(_pou(block, problems, names, symbols, encoding) for block in kept)
+
+
+def _pou(
+    block: RawBlock, problems: Collector, names: Mapping[str, PouReference], symbols: SymbolTable, encoding: str
+) -> Pou:
+    label = f"{block.name} ({block.kind.value}{block.number})"
+    problems.where = label
+    variables = read_variables(block.kind, block.declarations, problems)
+    operands = OperandReader(problems, encoding, symbols, names, variables)
+    networks = []
+    for network in block.networks:
+        problems.where = f"{label}, network {network.number}"
+        instructions = tuple(_instruction(statement, operands, problems) for statement in network.statements)
+        networks.append(
+            Network(
+                network.number,
+                network.title,
+                tuple(network.comment),
+                instructions,
+                network.span,
+                tuple(network.after),
+            )
+        )
+    problems.where = ""
+    return Pou(
+        block.kind,
+        block.number,
+        block.name,
+        block.title,
+        tuple(block.comment),
+        variables,
+        tuple(networks),
+        block.span,
+    )
+
+
+def _instruction(statement: Statement, operands: OperandReader, problems: Collector) -> Instruction:
+    mnemonic = statement.mnemonic
+    span = problems.span(statement.line, statement.column, len(statement.written))
+    if mnemonic not in DEFINITIONS:
+        _report_unknown(statement, span, problems)
+        return Instruction(mnemonic, (), span, statement.comment, statement.before)
+    found = operands.read(statement)
+    if statement.open_end:
+        message = f"an operand of {mnemonic} is missing behind the last comma"
+        problems.add("STL031", span, message, expected="one operand between two commas")
+    return Instruction(mnemonic, found, span, statement.comment, statement.before)
+
+
+_OLD_WORDS: Final = {
+    "RET": "a subroutine returns at its end by itself; CRET returns while the top of the stack is 1",
+    "RETI": "an interrupt routine returns at its end by itself; CRETI returns while the top of the stack is 1",
+}
+_EXPLAINED: Final = frozenset({*GERMAN, *SMART, *S7_300, *LADDER, *_OLD_WORDS})
+
+
+def _report_unknown(statement: Statement, span: Span, problems: Collector) -> None:
+    mnemonic = statement.mnemonic
+    if mnemonic in GERMAN:
+        right = GERMAN[mnemonic]
+        message = f"{statement.written} is the German mnemonic of {right}"
+        expected = "international mnemonics (in Micro/WIN: Tools, Options, General) when the program is exported"
+        problems.add("STL028", span, message, expected=expected, nearest=right)
+    elif mnemonic in SMART:
+        right_smart = SMART[mnemonic]
+        message = f"{mnemonic} is an instruction of the S7-200 SMART; the S7-200 has "
+        problems.add("STL029", span, message + (right_smart or "nothing like it"), nearest=right_smart)
+    elif mnemonic in LADDER:
+        message = f"{mnemonic} is the name of a box in ladder diagrams"
+        problems.add("STL020", span, message, expected="the STL instruction", nearest=LADDER[mnemonic])
+    elif mnemonic in S7_300:
+        message = f"{statement.written} is an instruction of the S7-300"
+        problems.add("STL030", span, message, expected=f"an instruction of the S7-200: {S7_300[mnemonic]}")
+    elif mnemonic in _OLD_WORDS:
+        problems.add("STL020", span, f"{mnemonic} is not written here: {_OLD_WORDS[mnemonic]}")
+    else:
+        shown = statement.written if len(statement.written) <= 40 else f"{statement.written[:37]}..."
+        message = f"there is no instruction {shown!r}"
+        expected = "an S7-200 mnemonic; a comment starts with //"
+        problems.add("STL020", span, message, expected=expected, nearest=problems.nearest(mnemonic, DEFINITIONS))
