@@ -24,6 +24,7 @@ from pcaccess.stl.headers import (
     header_text,
     is_header,
     keyword_of,
+    parse_block_name,
     parse_comment_start,
     parse_directive,
     parse_header,
@@ -102,6 +103,8 @@ class _BlockReader:
         self.in_head = False
         """Between a block header and BEGIN, where plain text is comment."""
         self.directive: str | None = None
+        self.called: set[tuple[PouKind, int]] = set()
+        """Blocks that a CALL or ATCH has named so far."""
         self.astray = False
         """The line before was already reported as standing outside of every block."""
         self.handlers: dict[str, Callable[[int, str], None]] = {
@@ -157,7 +160,8 @@ class _BlockReader:
             self.network.comment.append(text)
 
     def starts_block(self, number: int, line: str) -> bool:
-        start = parse_comment_start(line, self.lines[number : number + _LOOK_AHEAD])
+        awaited = self.called - {(block.kind, block.number) for block in self.file.blocks}
+        start = parse_comment_start(line, self.lines[number : number + _LOOK_AHEAD], awaited)
         if start is None or (start[0] is PouKind.MAIN and self.block is None):
             return False
         kind, index = start
@@ -375,6 +379,10 @@ class _BlockReader:
             span = self.problems.span(number, len(line) - len(behind.lstrip()) + 1, len(text))
             self.problems.add("STL035", span, "text behind ';'", expected="// before a comment")
             statement = statement._replace(comment=text)
+        if statement.mnemonic in ("CALL", "ATCH") and statement.pieces and statement.pieces[0]:
+            called = parse_block_name(statement.pieces[0][0].text)
+            if called is not None:
+                self.called.add(called)
         network.statements.append(statement)
         return follows
 

@@ -50,14 +50,17 @@ def parse_number(text: str) -> Number | None:
     """A number in any notation, or TRUE FALSE ON OFF; None when ``text`` is something else."""
     match = _NUMBER.fullmatch(text)
     if match is None:
-        value = _BOOLS.get(text.upper())
-        return None if value is None else Number(value, ConstantForm.BOOL)
+        truth = _BOOLS.get(text.upper())
+        return None if truth is None else Number(truth, ConstantForm.BOOL)
     if len(text) > MAX_DIGITS:
         raise ConstantError(f"a number of {len(text)} characters fits nothing; the largest is 4294967295")
     if match["decimal"]:
         return Number(int(text), ConstantForm.DECIMAL)
     if match["real"]:
-        return Number(float(text), ConstantForm.REAL)
+        value = float(text)
+        if value in (float("inf"), float("-inf")):
+            raise ConstantError(f"{text} does not fit a REAL, which goes up to 3.402823E38")
+        return Number(value, ConstantForm.REAL)
     if match["base"]:
         return _based(match["base"], match["digits"])
     inner = parse_number(match["rest"])

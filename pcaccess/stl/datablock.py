@@ -111,7 +111,10 @@ def _row(
             "STL048", first, f"this goes up to VB{end - 1}", f"at most VB{V_BYTES - 1}, the largest V memory"
         )
     span = problems.span(number, first.column, max(1, len(code.rstrip()) - first.column + 1))
-    return _Place(end, at.width), DataRow(at.offset, raw, code.strip(), span)
+    text = code.strip()
+    if start is None:  # say where it lies, so that the row means the same alone
+        text = f"V{at.width.letter if at.width else ''}{at.offset} {text}"
+    return _Place(end, at.width), DataRow(at.offset, raw, text, span)
 
 
 def _place(word: Word, symbols: SymbolTable) -> _Place | None:

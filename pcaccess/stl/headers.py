@@ -8,7 +8,7 @@ Source:   Micro/WIN export format (docs/stl.md); document 004, section 9.26, for
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from types import MappingProxyType
 from typing import Final, NamedTuple
 
@@ -50,6 +50,15 @@ def keyword_of(kind: PouKind) -> str:
 def header_text(kind: PouKind, number: int, name: str) -> str:
     """``SUBROUTINE_BLOCK Pump:SBR0``."""
     return f"{keyword_of(kind)} {name}:{kind.value}{number}"
+
+
+_BLOCK_NAME: Final = re.compile(r"(SBR|INT)[ _]?(\d{1,4})", re.IGNORECASE | re.ASCII)
+
+
+def parse_block_name(text: str) -> tuple[PouKind, int] | None:
+    """``SBR_0``, ``SBR0`` and ``INT 3``: blocks by number, as CALL and ATCH name them."""
+    match = _BLOCK_NAME.fullmatch(text)
+    return (PouKind(match[1].upper()), int(match[2])) if match else None
 
 
 class Header(NamedTuple):
@@ -127,18 +136,28 @@ def parse_old_start(line: str) -> OldStart | None:
     return OldStart(PouKind(match["kind"].upper()), int(match["number"]), start + 1, match.end("number") - start)
 
 
-def parse_comment_start(line: str, following: Sequence[str]) -> tuple[PouKind, int] | None:
-    """``// SBR 0`` as a book prints it above a block: alone on its line, or before a ``NETWORK 1``."""
+def parse_comment_start(
+    line: str, following: Sequence[str], awaited: Collection[tuple[PouKind, int]]
+) -> tuple[PouKind, int] | None:
+    """``// SBR 0`` as a book prints it above a block.
+
+    It must stand alone on its line, or before a ``NETWORK 1``, or name one of the ``awaited`` blocks (called before,
+    not found yet) right before a load: a comment that merely mentions a subroutine is no header.
+    """
     match = _COMMENT_START.fullmatch(line)
     if match is None:
         return None
+    if match["main"]:
+        block = (PouKind.MAIN, 1)
+    else:
+        block = (PouKind.SBR, int(match["s"])) if match["sbr"] else (PouKind.INT, int(match["i"]))
+    if not (match["rest"] or "").strip():
+        return block
     code = next((text for text in following if text.strip() and not text.lstrip().startswith("//")), "")
     network = parse_network(code)
-    if (network is None or network.number not in (None, 1)) and (match["rest"] or "").strip():
-        return None
-    if match["main"]:
-        return PouKind.MAIN, 1
-    return (PouKind.SBR, int(match["s"])) if match["sbr"] else (PouKind.INT, int(match["i"]))
+    if network is not None:
+        return block if network.number in (None, 1) else None
+    return block if block in awaited and first_word(code).upper().startswith("LD") else None
 
 
 def parse_directive(line: str) -> tuple[str, bool] | None:

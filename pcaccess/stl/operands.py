@@ -19,6 +19,7 @@ from pcaccess.problems import Span
 from pcaccess.s7200.address import Address, AddressError, Area, Width, parse_address
 from pcaccess.s7200.types import DataType
 from pcaccess.stl.constants import ConstantError, Number, ascii_value, parse_number, parse_text, string_value
+from pcaccess.stl.headers import parse_block_name
 from pcaccess.stl.lexer import Piece, Statement, Word
 from pcaccess.stl.predefined import PREDEFINED
 from pcaccess.stl.problems import Collector
@@ -38,7 +39,6 @@ from pcaccess.stl.program import (
 
 _POU_OPERANDS: Final = {"CALL": PouKind.SBR, "ATCH": PouKind.INT}
 """Instructions whose first operand is a block."""
-_POU_NAME: Final = re.compile(r"(SBR|INT)[ _]?(\d{1,4})", re.IGNORECASE | re.ASCII)
 _LIKE_ADDRESS: Final = re.compile(r"[A-Z]{1,3}\d[\dO.]*", re.IGNORECASE | re.ASCII)
 _POINTERS: Final = "AC1, AC2, AC3, a VD or an LD address"
 _TYPOGRAPHIC: Final = {
@@ -137,7 +137,7 @@ class OperandReader:
         first = text[0]
         if first in "'\"" or (first in "*&" and _address(text[1:]) is not None) or _number(text) is not None:
             return 1
-        return 1 if _address(text) is not None or self._is_name(text) or _POU_NAME.fullmatch(text) else 0
+        return 1 if _address(text) is not None or self._is_name(text) or parse_block_name(text) else 0
 
     def _is_name(self, text: str) -> bool:
         folded = text.lstrip("*&").casefold()
@@ -204,13 +204,12 @@ class OperandReader:
                 parse_address(text)
                 return self._unresolved("STL031", text, span, f"{text} is a row of addresses", expected="one address")
             except AddressError as error:
-                digits = re.sub("(?<=.)[oO]", "0", text)
-                nearest = digits if digits != text and _address(digits) is not None else None
-                return self._unresolved("STL031", text, span, str(error), nearest=nearest)
+                return self._unresolved("STL031", text, span, str(error), nearest=_with_digits(text))
         if not text[0].isalpha() and text[0] != "_":
             message = f"{text!r} is no operand"
             return self._unresolved("STL031", text, span, message, expected="an address, a constant or a symbol")
-        nearest = self._problems.nearest(text, (*self._symbols.names(), *(p.name for p in PREDEFINED.values())))
+        names = (*self._symbols.names(), *(predefined.name for predefined in PREDEFINED.values()))
+        nearest = _with_digits(text) or self._problems.nearest(text, names)
         message = f"there is no symbol {text!r}"
         expected = "a symbol of the symbol table, an address or a constant"
         return self._unresolved("STL032", text, span, message, expected=expected, nearest=nearest)
@@ -275,9 +274,9 @@ class OperandReader:
         span = self._problems.span(word.line, word.column, len(text))
         known = self._pous.get(text.casefold())
         if known is None:
-            match = _POU_NAME.fullmatch(text)
-            if match:
-                return PouReference(PouKind(match[1].upper()), int(match[2]), text, span)
+            block = parse_block_name(text)
+            if block is not None:
+                return PouReference(*block, text, span)
             if text.isascii() and text.isdigit() and len(text) < 5:
                 return PouReference(kind, int(text), f"{kind.value}_{text}", span)
             symbol = self._symbols.find(text)
@@ -286,7 +285,7 @@ class OperandReader:
             names = [p.name for p in self._pous.values() if p.kind is kind]
             what = "subroutine" if kind is PouKind.SBR else "interrupt routine"
             message = f"there is no {what} {text!r}"
-            expected = ", ".join(names[:8]) if names else f"a {what} of this program; it has none"
+            expected = ", ".join(names[:8]) if names else "one of this program; it has none"
             nearest = self._problems.nearest(text, names)
             return self._unresolved("STL080", text, span, message, expected=expected, nearest=nearest)
         return PouReference(known.kind, known.number, known.name, span)
@@ -296,6 +295,12 @@ class OperandReader:
     ) -> Unresolved:
         self._problems.add(code, span, message, expected=expected, nearest=nearest)
         return Unresolved(text, span)
+
+
+def _with_digits(text: str) -> str | None:
+    """The address somebody meant who took O for 0 or l for 1, as scanned listings have it."""
+    digits = text[0] + text[1:].upper().replace("O", "0").replace("L", "1").replace("I", "1")
+    return digits if digits != text and _address(digits) is not None else None
 
 
 def _variable(variable: Variable, span: Span) -> Operand:

@@ -77,7 +77,6 @@ STL: Final = Register(
         "STL083": Kind("a subroutine calls itself", Severity.WARNING),
         "STL084": Kind("calls are nested too deeply"),
         "STL085": Kind("the main program is missing"),
-        "STL086": Kind("the output of a call cannot be written"),
     }
 )
 

@@ -32,6 +32,7 @@ from pcaccess.stl.program import (
     PouReference,
     Program,
     SymbolTable,
+    Unresolved,
 )
 from pcaccess.stl.symbols import parse_symbols, read_symbols
 from pcaccess.stl.text import NotText, decode
@@ -242,7 +243,12 @@ def _instruction(statement: Statement, operands: OperandReader, problems: Collec
     span = problems.span(statement.line, statement.column, len(statement.written))
     if mnemonic not in DEFINITIONS:
         _report_unknown(statement, span, problems)
-        return Instruction(mnemonic, (), span, statement.comment, statement.before)
+        words = tuple(
+            Unresolved(" ".join(word.text for word in piece), problems.span(piece[0].line, piece[0].column))
+            for piece in statement.pieces
+            if piece
+        )
+        return Instruction(mnemonic, words, span, statement.comment, statement.before)
     found = operands.read(statement)
     if statement.open_end:
         message = f"an operand of {mnemonic} is missing behind the last comma"
@@ -280,4 +286,6 @@ def _report_unknown(statement: Statement, span: Span, problems: Collector) -> No
         shown = statement.written if len(statement.written) <= 40 else f"{statement.written[:37]}..."
         message = f"there is no instruction {shown!r}"
         expected = "an S7-200 mnemonic; a comment starts with //"
-        problems.add("STL020", span, message, expected=expected, nearest=problems.nearest(mnemonic, DEFINITIONS))
+        similar = problems.nearest(mnemonic, DEFINITIONS)
+        nearest = similar if similar and similar[0] == mnemonic[0] else None  # "the" is not meant as ATH
+        problems.add("STL020", span, message, expected=expected, nearest=nearest)

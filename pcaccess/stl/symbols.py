@@ -20,12 +20,12 @@ from pcaccess.s7200.address import Address, AddressError, parse_address
 from pcaccess.s7200.types import DATA_TYPE_NAMES
 from pcaccess.stl.blocks import NumberedLine
 from pcaccess.stl.constants import ConstantError, ascii_value, parse_number, parse_text, string_value
+from pcaccess.stl.headers import parse_block_name
 from pcaccess.stl.problems import Collector
-from pcaccess.stl.program import Constant, ConstantForm, PouKind, PouReference, Symbol, SymbolTable
+from pcaccess.stl.program import Constant, ConstantForm, PouReference, Symbol, SymbolTable
 from pcaccess.stl.text import NotText, decode
 
 _NAME: Final = re.compile(r"[^\W\d](?:[\w ]*\w)?")
-_BLOCK: Final = re.compile(r"(OB|SBR|INT)[ _]?(\d{1,4})", re.IGNORECASE | re.ASCII)
 _HEADER_WORDS: Final = frozenset({"symbol", "name", "address", "comment", "符号", "地址", "注释"})
 _TYPE_WORDS: Final = frozenset({*DATA_TYPE_NAMES, "TIMER", "COUNTER"})
 
@@ -117,9 +117,9 @@ def _is_taken(name: str) -> bool:
 
 
 def _target(text: str, span: Span, problems: Collector, encoding: str) -> Address | Constant | PouReference | None:
-    block = _BLOCK.fullmatch(text)
-    if block:
-        return PouReference(PouKind(block[1].upper()), int(block[2]), text, span)
+    block = parse_block_name(text)
+    if block is not None:
+        return PouReference(*block, text, span)
     try:
         if text[0] == '"':
             return Constant(string_value(parse_text(text, encoding)), ConstantForm.STRING, text, span)
