@@ -11,6 +11,7 @@ from problem_pages import Example, Mark, read_page, registered
 
 from pcaccess.problems import Problem, ProblemError
 from pcaccess.project.load import load_project
+from pcaccess.stl.checker import load_program
 
 CODES: Final = sorted(registered().items())
 
@@ -22,7 +23,11 @@ def project_problems(path: Path) -> Sequence[Problem]:
         return error.problems
 
 
-FINDERS: Final[dict[str, Callable[[Path], Sequence[Problem]]]] = {"yaml": project_problems}
+def program_problems(path: Path) -> Sequence[Problem]:
+    return load_program(path).problems
+
+
+FINDERS: Final[dict[str, Callable[[Path], Sequence[Problem]]]] = {"yaml": project_problems, "awl": program_problems}
 """What reads the main file of an example, by the example's language."""
 
 

@@ -23,6 +23,7 @@ from pcaccess.stl.program import (
     PouReference,
     Program,
     Section,
+    Unresolved,
     Variable,
 )
 
@@ -115,6 +116,8 @@ def _check_parameters(
     problems: Collector,
 ) -> None:
     given = instruction.operands[1:]
+    if any(isinstance(operand, Unresolved) for operand in given):
+        return  # what was not understood may have been several operands
     if len(given) != len(specs):
         wanted = ", ".join(f"{spec.name} ({variable.section.value} {variable.data_type.name})"
                            for spec, variable in zip(specs, target.parameters, strict=True))  # fmt: skip

@@ -30,6 +30,7 @@ from pcaccess.stl.program import (
     Operand,
     PouKind,
     PouReference,
+    Unresolved,
 )
 from pcaccess.stl.wording import (
     AREA_TEXT,
@@ -102,6 +103,8 @@ class OperandChecker:
             self._pou(operand, spec, what)
 
     def _wrong_number(self, instruction: Instruction, definition: Definition) -> None:
+        if any(isinstance(operand, Unresolved) for operand in instruction.operands):
+            return  # what was not understood may have been several operands
         specs = definition.operands
         form = " ".join((instruction.mnemonic, ", ".join(spec.name for spec in specs))).strip()
         count = len(instruction.operands)
