@@ -9,6 +9,7 @@ from typing import Final
 import pytest
 from problem_pages import Example, Mark, read_page, registered
 
+from pcaccess.plc.scenario import load_scenario
 from pcaccess.problems import Problem, ProblemError
 from pcaccess.project.load import load_project
 from pcaccess.stl.checker import load_program
@@ -27,7 +28,19 @@ def program_problems(path: Path) -> Sequence[Problem]:
     return load_program(path).problems
 
 
-FINDERS: Final[dict[str, Callable[[Path], Sequence[Problem]]]] = {"yaml": project_problems, "awl": program_problems}
+def scenario_problems(path: Path) -> Sequence[Problem]:
+    try:
+        load_scenario(path)
+    except ProblemError as error:
+        return error.problems
+    return ()
+
+
+FINDERS: Final[dict[str, Callable[[Path], Sequence[Problem]]]] = {
+    "yaml": project_problems,
+    "awl": program_problems,
+    "scenario": scenario_problems,
+}
 """What reads the main file of an example, by the example's language."""
 
 

@@ -21,7 +21,7 @@ from pcaccess.problems import Kind, Register
 ROOT: Final = Path(__file__).parent.parent
 PAGES: Final = ROOT / "docs" / "problems"
 SECTIONS: Final = ("Wrong", "Right")
-FILE_NAMES: Final = {"yaml": "items.yaml", "awl": "program.awl"}
+FILE_NAMES: Final = {"yaml": "items.yaml", "awl": "program.awl", "scenario": "scenario.yaml"}
 """Languages an example can be in, and what its file is called."""
 _FENCE: Final = re.compile(r"^```(?P<language>\w+)(?: (?P<name>[^\n]+))?\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL)
 _CARETS: Final = re.compile(r" *\^+ *")

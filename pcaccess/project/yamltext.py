@@ -59,6 +59,7 @@ class Scalar:
     line: int
     column: int
     length: int
+    quoted: bool = False
 
     size = 1
 
@@ -194,7 +195,7 @@ class _Reader:
         start, end = event.start_mark, event.end_mark
         text = None if not event.style and event.value in _NULL else event.value
         length = end.column - start.column if end.line == start.line else 1
-        return Scalar(text, start.line + 1, start.column + 1, max(1, length))
+        return Scalar(text, start.line + 1, start.column + 1, max(1, length), event.style in ('"', "'"))
 
     def _start(self, node: Sequence | Mapping, event: Any) -> None:
         self._check(event)
