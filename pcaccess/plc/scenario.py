@@ -25,7 +25,6 @@ from pcaccess.plc.literals import (
 )
 from pcaccess.plc.problems import SCENARIO
 from pcaccess.plc.session import CYCLE
-from pcaccess.plc.source import load_program
 from pcaccess.problems import Problem, ProblemError, Span, nearest_word
 from pcaccess.project.durations import EXPECTED as A_DURATION
 from pcaccess.project.durations import DurationError, parse_duration
@@ -33,6 +32,7 @@ from pcaccess.project.textfile import TextError, read_bytes
 from pcaccess.project.yamltext import Mapping, Node, Scalar, Sequence, Tree, YamlError, read_yaml
 from pcaccess.s7200.cpu import DEFAULT_CPU, CpuError, CpuModel, cpu_model
 from pcaccess.s7200.types import DataType, Value
+from pcaccess.stl.checker import load_program
 from pcaccess.stl.datablock import parse_data_block
 from pcaccess.stl.errors import FatalError, RunTimeError
 from pcaccess.stl.problems import Collector
@@ -193,7 +193,7 @@ class _Reader:
                 self.report("SCN003", self.tree.span(root), "the program is missing", expected="program: FILE.awl")
             return None
         try:
-            return load_program(self.base / text, self.model)
+            return load_program(self.base / text, self.model).unwrap()
         except OSError as error:
             why = error.strerror or str(error)
             self.report("SCN007", self.tree.value_span(root, "program"), f"{text}: {why}", expected="an STL program")
