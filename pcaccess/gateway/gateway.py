@@ -19,6 +19,7 @@ from types import MappingProxyType
 from pcaccess.clock import Clock
 from pcaccess.gateway.dynamic import DynamicNames
 from pcaccess.gateway.groups import Group
+from pcaccess.gateway.programs import Programs, load_programs
 from pcaccess.gateway.station import Station
 from pcaccess.gateway.writing import WriteRefused, raw_write
 from pcaccess.items.quality import Quality
@@ -38,9 +39,11 @@ log = logging.getLogger(__name__)
 class Gateway:
     """One project, running. Make it, :meth:`show` what is known, then :meth:`run` it inside a task group."""
 
-    def __init__(self, project: Project, clock: Clock) -> None:
+    def __init__(self, project: Project, clock: Clock, programs: Programs | None = None) -> None:
+        """``programs``: those of the soft-PLCs, loaded (``load_programs``); read here when not given."""
         self.clock = clock
         self.project = project
+        self.programs = load_programs(project) if programs is None else programs
         self.table = ItemTable(to_ticks(clock.now()))
         self.dynamic = DynamicNames(self)
         self._stations: dict[str, Station] = {}
@@ -80,7 +83,7 @@ class Gateway:
 
     def _driver(self, link: Link) -> Driver:
         if link.type is LinkType.SOFT:
-            return SoftLink(self)
+            return SoftLink(self, self.clock, lambda plc: self.programs.of(plc))
         if link.type is LinkType.SIM:
             return SimLink(self.table, self.clock)
         return AbsentLink(self)

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Final
 
 from pcaccess.gateway.gateway import Gateway
+from pcaccess.gateway.programs import Programs, load_programs
 from pcaccess.gateway.reload import Applied, apply_project
 from pcaccess.problems import Problem, ProblemError
 from pcaccess.project.load import Loaded, load_project
@@ -56,17 +57,17 @@ class ProjectFile:
         async with self._busy:
             self._seen = self._stamps()
             try:
-                loaded = await asyncio.to_thread(load_project, self._path)
+                loaded, programs = await asyncio.to_thread(_load, self._path)
             except ProblemError as error:
                 for problem in error.problems:
                     log.error("%s", problem)
                 log.error("%s has errors; the gateway goes on as before", self._path)
                 return Reloaded(None, tuple(error.problems))
-            for problem in loaded.warnings:
+            for problem in (*loaded.warnings, *programs.warnings):
                 log.warning("%s", problem)
             if loaded.project.server != self._gateway.project.server:
                 log.warning("%s: changes under 'server' take effect at the next start", self._path)
-            applied = apply_project(self._gateway, loaded.project)
+            applied = apply_project(self._gateway, loaded.project, programs)
             if loaded.files != self._files:
                 self._files = loaded.files
                 self._seen = self._stamps()
@@ -85,6 +86,11 @@ class ProjectFile:
             if now != self._seen and now == before and now[self._path] is not None:
                 await self.reload()
             before = now
+
+
+def _load(path: Path) -> tuple[Loaded, Programs]:
+    loaded = load_project(path)
+    return loaded, load_programs(loaded.project)
 
 
 def _stamp(path: Path) -> _Stamp | None:

@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from pcaccess.gateway.gateway import Gateway
+from pcaccess.gateway.programs import Programs, load_programs
 from pcaccess.gateway.station import Station
 from pcaccess.project.model import Item, Link, Plc, Project
 
@@ -27,12 +28,13 @@ class Applied:
         return f"{self.added} items added, {self.changed} changed, {self.removed} removed"
 
 
-def apply_project(gateway: Gateway, project: Project) -> Applied:
-    """Make ``gateway`` run ``project``."""
+def apply_project(gateway: Gateway, project: Project, programs: Programs | None = None) -> Applied:
+    """Make ``gateway`` run ``project``; its programs are read here when they are not given."""
+    loaded = load_programs(project) if programs is None else programs
     done = _count(gateway.project, project)
     old_links = {link.name: link for link in gateway.project.links}
     new_links = {link.name: link for link in project.links}
-    gateway.project = project
+    gateway.project, gateway.programs = project, loaded
     kept = {name for name, link in old_links.items() if name in new_links and _same_connection(link, new_links[name])}
     for name in old_links.keys() - kept:
         gateway.remove_link(name)
@@ -62,8 +64,17 @@ def _same_connection(old: Link, new: Link) -> bool:
 
 
 def _same_station(old: Plc, new: Plc) -> bool:
-    """The PLC can keep its memory and dynamic items: it is reached in the same way."""
-    return (old.cpu, old.address, old.host, old.port, old.local_tsap, old.remote_tsap, old.unit, old.program) == (
+    """The PLC can keep its rows: it is reached in the same way, and has or lacks a CPU as before."""
+    return (
+        old.cpu,
+        old.address,
+        old.host,
+        old.port,
+        old.local_tsap,
+        old.remote_tsap,
+        old.unit,
+        old.program is None,
+    ) == (
         new.cpu,
         new.address,
         new.host,
@@ -71,7 +82,7 @@ def _same_station(old: Plc, new: Plc) -> bool:
         new.local_tsap,
         new.remote_tsap,
         new.unit,
-        new.program,
+        new.program is None,
     )
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from pcaccess.gateway.writing import linear
 from pcaccess.items.image import Field, PlcImage
 from pcaccess.items.table import ItemTable, Rows
-from pcaccess.links.base import Link
+from pcaccess.links.base import Link, PlcStatus
 from pcaccess.project.model import Item, Plc
 from pcaccess.s7200.address import Address
 from pcaccess.s7200.memory import MEMORY_SIZE, locate
@@ -48,14 +48,9 @@ class Station:
         return self.plc.connected and self.reachable
 
     @property
-    def mode(self) -> str:
-        """``RUN`` or ``STOP``; a PLC of memory alone is in STOP, one that does not answer is ``UNKNOWN``."""
-        return "STOP" if self.connected else "UNKNOWN"
-
-    @property
-    def scan_time(self) -> float:
-        """Milliseconds of the last scan; 0 where nothing scans."""
-        return 0.0
+    def status(self) -> PlcStatus:
+        """How the PLC is doing; a PLC of memory alone is in STOP, one that does not answer is UNKNOWN."""
+        return self.link.status(self.name) if self.connected else PlcStatus("UNKNOWN")
 
     @property
     def rows(self) -> Rows:

@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Iterable, Sequence
 
 from pcaccess.items.quality import Quality
-from pcaccess.links.base import Outcome, RawWrite, Sink
+from pcaccess.links.base import Outcome, PlcStatus, RawWrite, Sink
 from pcaccess.project.model import Item, Plc
 
 
@@ -29,6 +29,9 @@ class AbsentLink:
     def show(self) -> None:
         for station in self._stations:
             self._sink.lost(station, Quality.NOT_CONNECTED)
+
+    def status(self, station: str) -> PlcStatus:
+        return PlcStatus("UNKNOWN")
 
     async def run(self) -> None:
         await asyncio.get_running_loop().create_future()

@@ -43,6 +43,16 @@ class RawWrite:
     data: bytes
 
 
+@dataclass(frozen=True, slots=True)
+class PlcStatus:
+    """How a PLC is doing. ``mode``: RUN, STOP or UNKNOWN; ``scan_time`` in milliseconds, 0 where nothing scans."""
+
+    mode: str
+    scan_time: float = 0.0
+    errors: int = 0
+    """Run-time errors of the program since it went to RUN."""
+
+
 class Sink(Protocol):
     """Where a link puts what it learns. Both calls are cheap enough for every scan."""
 
@@ -67,6 +77,9 @@ class Link(Protocol):
 
     def show(self) -> None:
         """Hand the sink what is known without waiting."""
+
+    def status(self, station: str) -> PlcStatus:
+        """How the PLC is doing."""
 
     async def run(self) -> None:
         """Own ports and tasks; ends only by cancellation."""

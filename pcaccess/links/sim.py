@@ -19,7 +19,7 @@ from pcaccess.items.quality import Quality, split_code
 from pcaccess.items.records import KINDS
 from pcaccess.items.table import ItemTable, Rows, as_rows
 from pcaccess.items.ticks import to_ticks
-from pcaccess.links.base import Outcome, RawWrite
+from pcaccess.links.base import Outcome, PlcStatus, RawWrite
 from pcaccess.project.model import Item, Plc
 from pcaccess.project.sim import Wave, WaveKind, parse_wave
 from pcaccess.s7200.types import DataType, Value
@@ -121,6 +121,9 @@ class SimLink:
                 if quality is not Quality.GOOD or limit:
                     self._table.set_quality(as_rows(row), quality, now, limit)
         self.tick()
+
+    def status(self, station: str) -> PlcStatus:
+        return PlcStatus("RUN")
 
     async def run(self) -> None:
         due = self._clock.monotonic()

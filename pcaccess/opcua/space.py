@@ -230,8 +230,8 @@ _STANDARD_PROPERTIES = frozenset({"Definition", "EURange", "EngineeringUnits"})
 
 _PLC_VARIABLES: dict[str, tuple[ua.VariantType, Callable[[Gateway, str], Any]]] = {
     "Connected": (ua.VariantType.Boolean, lambda gateway, plc: gateway.stations[plc].connected),
-    "Mode": (ua.VariantType.String, lambda gateway, plc: gateway.stations[plc].mode),
-    "ScanTime": (ua.VariantType.Double, lambda gateway, plc: gateway.stations[plc].scan_time),
+    "Mode": (ua.VariantType.String, lambda gateway, plc: gateway.stations[plc].status.mode),
+    "ScanTime": (ua.VariantType.Double, lambda gateway, plc: gateway.stations[plc].status.scan_time),
 }
 """Variables of a PLC in namespace 3. ScanTime is in milliseconds, 0 where nothing scans."""
 

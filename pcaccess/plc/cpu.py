@@ -171,7 +171,12 @@ class Cpu:
 
         Raises what ``DataType.encode`` raises, at once.
         """
-        self._writes.append(_Write(address.as_type(data_type), data_type, data_type.encode(value)))
+        self.write_raw(address.as_type(data_type), data_type, data_type.encode(value))
+
+    def write_raw(self, address: Address, data_type: DataType, raw: bytes) -> None:
+        """A client's write as bytes: ``address`` fits the type, an array's elements follow each other (a BOOL is a
+        byte each)."""
+        self._writes.append(_Write(address, data_type, raw))
 
     def read(self, address: Address, data_type: DataType) -> Value:
         """A value as the last scan left it."""
@@ -212,7 +217,9 @@ class Cpu:
             if write.address.area is Area.I:
                 at += layout.PHYSICAL_INPUTS - _I
             if write.type is DataType.BOOL:
-                self.memory[at] = self.memory[at] & ~(1 << bit) | write.raw[0] << bit
+                for n, value in enumerate(write.raw, bit):
+                    place, shift = at + n // 8, n % 8
+                    self.memory[place] = self.memory[place] & ~(1 << shift) | value << shift
             else:
                 self.memory[at : at + len(write.raw)] = write.raw
         self._writes.clear()

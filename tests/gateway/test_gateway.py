@@ -132,7 +132,7 @@ async def test_a_plc_that_is_not_connected_shows_it_on_all_its_items_and_only_th
     assert g.sample(row(g, "MicroWin.Gone.Word")).quality is Quality.NOT_CONNECTED
     assert g.sample(row(g, "MicroWin.P.Word")).quality is Quality.GOOD
     assert await write(g, "MicroWin.Gone.Word", 5) is Outcome.NOT_CONNECTED
-    assert (g.stations["MicroWin.Gone"].mode, g.stations["MicroWin.P"].mode) == ("UNKNOWN", "STOP")
+    assert (g.stations["MicroWin.Gone"].status.mode, g.stations["MicroWin.P"].status.mode) == ("UNKNOWN", "STOP")
 
 
 async def test_special_memory_without_a_cpu_is_out_of_service_unless_memory_alone_makes_it_true(

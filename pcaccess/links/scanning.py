@@ -1,0 +1,128 @@
+"""A soft-PLC that runs a program in the gateway's own process, one scan after the other.
+
+Units:    the CPU counts milliseconds of the monotonic clock; ``Plc.scan`` is in seconds.
+Errors:   run-time errors of the program are logged once each; a fatal one leaves the CPU in STOP.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Sequence
+from typing import Final
+
+from pcaccess.clock import Clock
+from pcaccess.items.quality import Quality
+from pcaccess.links.base import Outcome, PlcStatus, RawWrite, Sink
+from pcaccess.plc.cpu import Cpu, Mode
+from pcaccess.project.model import Plc
+from pcaccess.s7200.memory import MEMORY_SIZE
+from pcaccess.stl.program import Program
+
+log = logging.getLogger(__name__)
+
+SHORTEST_PAUSE: Final = 0.001
+"""Seconds left to everything else in this process after each scan of a free-running PLC."""
+WATCHDOG: Final = 0.5
+"""Seconds that a scan may take (System Manual, Watchdog Reset: 500 ms in newer CPUs)."""
+
+
+class ScanningPlc:
+    """One PLC with a program."""
+
+    def __init__(self, plc: Plc, program: Program, sink: Sink, clock: Clock) -> None:
+        self.plc = plc
+        self._program = program
+        self._sink = sink
+        self._clock = clock
+        self._scan_began = clock.monotonic()
+        self._scan_took = 0.0
+        self._told = 0
+        self._stopped_by_fault = False
+        self._answers: list[asyncio.Future[Outcome]] = []
+        self.cpu = Cpu(plc.cpu, program, now=self._milliseconds(), extend_scan=self._in_time)
+        self.cpu.run(self._milliseconds())
+
+    @property
+    def memory(self) -> bytearray | memoryview:
+        return self.cpu.memory
+
+    def _milliseconds(self) -> float:
+        return self._clock.monotonic() * 1000
+
+    def _in_time(self) -> bool:
+        return self._clock.monotonic() - self._scan_began < WATCHDOG
+
+    def configure(self, plc: Plc, program: Program) -> None:
+        """Take a changed entry, and a changed program between two scans; memory and mode stay."""
+        self.plc = plc
+        if program != self._program:
+            self.cpu.load(program)
+            self._program = program
+            log.info("%s: program %s taken over", plc.item_id, program.file)
+
+    def status(self) -> PlcStatus:
+        return PlcStatus(self.cpu.mode.value, self._scan_took * 1000, len(self.cpu.errors))
+
+    def start(self) -> None:
+        """STOP to RUN."""
+        self.cpu.run(self._milliseconds())
+        self._told = 0
+
+    def stop(self) -> None:
+        """RUN to STOP."""
+        self.cpu.stop()
+
+    async def write(self, writes: Sequence[RawWrite]) -> list[Outcome]:
+        """Queue the writes; they are taken by the next scan and answered when it is over."""
+        for write in writes:
+            if isinstance(write.address, str):
+                raise TypeError(f"{write.address!r} is not an S7-200 address")
+            self.cpu.write_raw(write.address, write.raw_type, write.data)
+        answer: asyncio.Future[Outcome] = asyncio.get_running_loop().create_future()
+        self._answers.append(answer)
+        return [await answer] * len(writes)
+
+    async def run(self) -> None:
+        """Scan until cancelled."""
+        due = self._clock.monotonic()
+        try:
+            while True:
+                self.scan()
+                if self.plc.scan is None:
+                    await self._clock.sleep(max(SHORTEST_PAUSE, self._scan_took))
+                else:
+                    due = max(due + self.plc.scan, self._clock.monotonic())
+                    await self._clock.sleep(due - self._clock.monotonic())
+        except Exception:
+            # Our own fault, not the program's. It must cost this PLC only.
+            log.exception("%s: the CPU failed; its items are no longer good", self.plc.item_id)
+            self._sink.lost(self.plc.item_id, Quality.DEVICE_FAILURE)
+        finally:
+            self._answer(Outcome.DEVICE_FAILURE)
+
+    def scan(self) -> None:
+        """One scan, and everything that follows from it."""
+        self._scan_began = self._clock.monotonic()
+        self.cpu.scan(self._milliseconds())
+        self._scan_took = self._clock.monotonic() - self._scan_began
+        if self.plc.connected:
+            self._sink.received(self.plc.item_id, memoryview(self.cpu.memory)[:MEMORY_SIZE])
+        self._answer(Outcome.DONE)
+        self._tell_errors()
+
+    def _answer(self, outcome: Outcome) -> None:
+        answers, self._answers = self._answers, []
+        for answer in answers:
+            if not answer.done():
+                answer.set_result(outcome)
+
+    def _tell_errors(self) -> None:
+        errors = self.cpu.errors
+        for record in errors[self._told :]:
+            log.warning("%s: run-time error %s", self.plc.item_id, record)
+        self._told = len(errors)
+        stopped = self.cpu.mode is Mode.STOP and self.cpu.fatal is not None
+        if stopped and not self._stopped_by_fault:
+            log.error("%s went to STOP: %s", self.plc.item_id, self.cpu.fatal)
+        self._stopped_by_fault = stopped
