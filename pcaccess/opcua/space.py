@@ -9,9 +9,8 @@ Source:   OPC UA Part 3 (attributes), Part 5 (FolderType, BaseObjectType), Part 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any
 
 from asyncua import ua
 from asyncua.ua.object_ids import ObjectIds
@@ -21,6 +20,7 @@ from pcaccess.opcua.entry import Entry, Reference
 from pcaccess.opcua.gatewaynode import GatewayNodes, gateway_node
 from pcaccess.opcua.groupnodes import GroupNodes, root_node
 from pcaccess.opcua.ids import ITEMS, SYSTEM, item_node, name_in, standard, system_node
+from pcaccess.opcua.plcnodes import PlcNodes
 from pcaccess.opcua.values import access_level, data_type_node, data_value, times_of, value_of
 from pcaccess.project.model import Folder, Item, Link, Plc
 from pcaccess.s7200.address import Address
@@ -47,6 +47,7 @@ class Space:
         self._gateway = gateway
         self._branches: dict[str, _Branch] = {}
         self._groups = GroupNodes(gateway)
+        self._plc_nodes = PlcNodes(gateway)
         self.gateway_nodes = GatewayNodes(gateway)
         self.rebuild()
 
@@ -120,7 +121,7 @@ class Space:
             for item_id in branch.items:
                 yield Reference(ObjectIds.HasComponent, item_node(item_id))
             if branch.plc is not None:
-                for name in _PLC_VARIABLES:
+                for name in self._plc_nodes.names(branch.path):
                     yield Reference(ObjectIds.HasComponent, system_node(branch.path, name))
 
         kind = ObjectIds.BaseObjectType if branch.kind == "plc" else ObjectIds.FolderType
@@ -166,7 +167,7 @@ class Space:
             return self._property(row, last)
         branch = self._branches.get(owner.casefold())
         if branch is not None and branch.plc is not None:
-            return self._plc_variable(branch, last)
+            return self._plc_nodes.find(branch.path, last)
         return self._groups.find(name) or self.gateway_nodes.find(name)
 
     def _property(self, row: int, name: str) -> Entry | None:
@@ -202,38 +203,8 @@ class Space:
             data_type=data_type,
         )
 
-    def _plc_variable(self, branch: _Branch, name: str) -> Entry | None:
-        found = next((v for v in _PLC_VARIABLES if v.casefold() == name.casefold()), None)
-        if found is None:
-            return None
-        kind, read = _PLC_VARIABLES[found]
-
-        def value() -> ua.DataValue:
-            now = self._gateway.clock.now()
-            return data_value(ua.Variant(read(self._gateway, branch.path), kind), now, now)
-
-        def references() -> Iterator[Reference]:
-            yield Reference(ObjectIds.HasComponent, item_node(branch.path), forward=False)
-
-        return Entry(
-            system_node(branch.path, found),
-            name_in(found, SYSTEM),
-            ua.NodeClass.Variable,
-            ObjectIds.BaseDataVariableType,
-            references,
-            value=value,
-            data_type=standard(kind.value),
-        )
-
 
 _STANDARD_PROPERTIES = frozenset({"Definition", "EURange", "EngineeringUnits"})
-
-_PLC_VARIABLES: dict[str, tuple[ua.VariantType, Callable[[Gateway, str], Any]]] = {
-    "Connected": (ua.VariantType.Boolean, lambda gateway, plc: gateway.stations[plc].connected),
-    "Mode": (ua.VariantType.String, lambda gateway, plc: gateway.stations[plc].status.mode),
-    "ScanTime": (ua.VariantType.Double, lambda gateway, plc: gateway.stations[plc].status.scan_time),
-}
-"""Variables of a PLC in namespace 3. ScanTime is in milliseconds, 0 where nothing scans."""
 
 
 def properties_of(item: Item) -> list[str]:

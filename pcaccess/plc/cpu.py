@@ -27,6 +27,7 @@ from pcaccess.plc.timers import advance_10_ms, restart_timers
 from pcaccess.s7200.address import Address, Area
 from pcaccess.s7200.cpu import CpuModel
 from pcaccess.s7200.memory import AREA_START, C_BITS, locate, read_value
+from pcaccess.s7200.special import power_up
 from pcaccess.s7200.types import DataType, Value
 from pcaccess.stl import layout
 from pcaccess.stl.ir import Module
@@ -45,7 +46,6 @@ _INPUTS: Final = slice(_I, _I + _IMAGE)
 _OUTPUTS: Final = slice(_Q, _Q + _IMAGE)
 _PHYSICAL_INPUTS: Final = slice(layout.PHYSICAL_INPUTS, layout.PHYSICAL_INPUTS + _IMAGE)
 _PHYSICAL_OUTPUTS: Final = slice(layout.PHYSICAL_OUTPUTS, layout.PHYSICAL_OUTPUTS + _IMAGE)
-_NO_MODULE: Final = 0xFF
 
 
 class Mode(Enum):
@@ -103,11 +103,8 @@ class Cpu:
             self.load(program)
 
     def _first_values(self) -> None:
-        self.memory[_SM] = 0b0000_0001
+        power_up(self.memory, self.model)
         self.memory[_SM + 4] = 0b0110_0000  # no transmitter is busy
-        self.memory[_SM + 6] = self.model.id_register << 4
-        for byte in range(8, 22, 2):
-            self.memory[_SM + byte] = _NO_MODULE
         for byte in (66, 76):
             self.memory[_SM + byte] = 0b1000_0000  # no pulse train runs
 

@@ -51,4 +51,4 @@ def power_up(memory: bytearray | memoryview, cpu: CpuModel) -> None:
     memory[sm] |= 1
     memory[sm + 6] = cpu.id_register << 4
     for module in range(7):
-        memory[sm + 8 + 2 * module] = 0x80  # "not present" (table C-8)
+        memory[sm + 8 + 2 * module] = 0xFF  # bit 7 is "not present" (table C-8)
