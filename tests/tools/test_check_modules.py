@@ -54,3 +54,12 @@ def test_an_init_may_reexport(tmp_path: Path) -> None:
 def test_an_init_may_not_define(tmp_path: Path) -> None:
     found = refusals(tmp_path, "def f(): ...\n", "__init__.py")
     assert found == [":1: an __init__ only re-exports; give this a module of its own"]
+
+
+def test_tests_may_keep_a_task_of_their_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    for folder in ("tests", "pcaccess"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "module.py").write_text("task = loop.create_task(g())\n")
+    assert check([Path("tests/module.py")]) == ([], [])
+    assert len(check([Path("pcaccess/module.py")])[0]) == 1

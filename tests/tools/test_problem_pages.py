@@ -62,7 +62,7 @@ def test_named_blocks_are_files_beside_the_example(write_page) -> None:
         ("# PRJ999: ", "# PRJ998: ", "first line"),
         ("## Right", "## Good", "'## Right' with a fenced example is missing"),
         ("```csv tags.csv", "```csv", "every further one has"),
-        ("```yaml\na: 1\n```\n", "```toml\na: 1\n```\n", "one of yaml, awl, not toml"),
+        ("```yaml\na: 1\n```\n", "```toml\na: 1\n```\n", "not toml"),
         ("```yaml\na: 1\n```\n", "```yaml\na: 1\n^\n```\n", "nothing is marked in the right example"),
     ],
 )
