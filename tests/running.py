@@ -126,6 +126,10 @@ class Running:
         """Apply another project text."""
         return apply_project(self.gateway, load_text(text).project)
 
+    def reload_file(self, path: Path) -> Applied:
+        """Apply a project file that was saved."""
+        return apply_project(self.gateway, load_project(path).project)
+
 
 @asynccontextmanager
 async def running_gateway(project: str | Path) -> AsyncIterator[Running]:

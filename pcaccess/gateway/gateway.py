@@ -243,7 +243,7 @@ class Gateway:
         """Show rows that were added to a station from what its link knows already."""
         if not station.connected:
             self.lost(station.name, Quality.NOT_CONNECTED)
-        elif station.live:
+        elif station.live or station.runs:
             station.image.repeat(self.now())
 
     def show(self) -> None:
