@@ -107,6 +107,11 @@ def read_tags(path: Path, named_at: Span, findings: Findings, max_size: int = MA
     yield from read_tag_text(text, str(path), findings)
 
 
+def has_tag_columns(text: str) -> bool:
+    """Whether the text begins as a tag table does."""
+    return _Table(text, "", Findings()).read_header()
+
+
 def read_tag_text(text: str, file: str, findings: Findings) -> Iterator[TagRow]:
     """Rows of a tag table in memory."""
     table = _Table(text, file, findings)

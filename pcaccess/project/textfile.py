@@ -77,16 +77,28 @@ def decode_utf8(data: bytes) -> str:
         ) from None
 
 
-def decode_table(data: bytes) -> str:
-    """Text of a table as spreadsheets and engineering tools save it: UTF-8, UTF-16 with its mark, or cp1252."""
+def decode_table(data: bytes, encoding: str | None = None) -> str:
+    """Text of a table as spreadsheets and engineering tools save it.
+
+    UTF-8, UTF-16 with its mark, else the code page of a Western Windows. ``encoding`` ends the guessing.
+    """
+    if encoding is not None:
+        return _decode_as(data, encoding)
     if words := what_is(data):
         raise TextError(f"this is {words}")
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
-        try:
-            return data.decode("utf-16")
-        except UnicodeDecodeError:
-            raise TextError("this begins as UTF-16 and is not") from None
+        return _decode_as(data, "utf-16")
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
         return data.decode("cp1252", "replace")
+
+
+def _decode_as(data: bytes, encoding: str) -> str:
+    try:
+        return data.decode(encoding)
+    except LookupError:
+        raise TextError(f"there is no encoding {encoding!r}; expected utf-8, cp1252, cp1251, gbk or the like") from None
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise TextError(f"the byte {data[error.start]:02X} is not {encoding}; name another encoding", line) from None

@@ -1,0 +1,1 @@
+"""Projects and tag lists of other programs, turned into ``items.yaml``."""
