@@ -9,12 +9,13 @@ from asyncua import ua
 from asyncua.ua.object_ids import ObjectIds
 from asyncua.ua.status_codes import StatusCodes
 
+from pcaccess.gateway.download import DownloadError, download
 from pcaccess.gateway.gateway import Gateway
 from pcaccess.gateway.station import Station
 from pcaccess.links.soft import SoftLink
 from pcaccess.opcua.entry import Entry, Reference
 from pcaccess.opcua.ids import SYSTEM, item_node, name_in, standard, system_node
-from pcaccess.opcua.methods import Method, method_entry, status
+from pcaccess.opcua.methods import Argument, Method, arguments_entry, method_entry, status
 from pcaccess.opcua.values import data_value
 
 _VARIABLES: Final[dict[str, tuple[ua.VariantType, Callable[[Station], Any], str]]] = {
@@ -23,6 +24,16 @@ _VARIABLES: Final[dict[str, tuple[ua.VariantType, Callable[[Station], Any], str]
     "ScanTime": (ua.VariantType.Double, lambda station: station.status.scan_time, "Last scan in ms, 0: none"),
     "Errors": (ua.VariantType.UInt32, lambda station: station.status.errors, "Run-time errors since RUN"),
 }
+
+
+_PROGRAM: Final = (
+    Argument("Name", ObjectIds.String, "Name of the program in messages"),
+    Argument("Program", ObjectIds.ByteString, "The program as Micro/WIN exports it"),
+)
+_ACCEPTED: Final = (
+    Argument("Accepted", ObjectIds.Boolean, "False: the program has errors and nothing changed"),
+    Argument("Problems", ObjectIds.String, "Errors and warnings with file, line and column", is_array=True),
+)
 
 
 class PlcNodes:
@@ -41,8 +52,13 @@ class PlcNodes:
         variable = next((v for v in _VARIABLES if v.casefold() == name.casefold()), None)
         if variable is not None:
             return self._variable(plc, variable)
-        method = next((m for m in self._methods(plc) if m.name.casefold() == name.casefold()), None)
-        return method_entry(item_node(plc), plc, method) if method else None
+        wanted, _, which = name.partition("/")
+        method = next((m for m in self._methods(plc) if m.name.casefold() == wanted.casefold()), None)
+        if method is None:
+            return None
+        if which:
+            return arguments_entry(plc, method, which, self._gateway.clock)
+        return method_entry(item_node(plc), plc, method)
 
     def _variable(self, plc: str, name: str) -> Entry:
         kind, read, description = _VARIABLES[name]
@@ -75,10 +91,26 @@ class PlcNodes:
         async def stop() -> list[ua.Variant] | ua.StatusCode:
             return self._switch(plc, running=False)
 
+        async def take(name: ua.Variant, program: ua.Variant) -> list[ua.Variant] | ua.StatusCode:
+            return await self._download(plc, name, program)
+
         return (
             Method("Run", "Put the CPU to RUN", (), (), run),
             Method("Stop", "Put the CPU to STOP; outputs go to their values for STOP", (), (), stop),
+            Method("Download", "Run another program from the next scan on", _PROGRAM, _ACCEPTED, take),
         )
+
+    async def _download(self, plc: str, name: ua.Variant, program: ua.Variant) -> list[ua.Variant] | ua.StatusCode:
+        if not isinstance(name.Value, str) or not isinstance(program.Value, bytes):
+            return status(StatusCodes.BadInvalidArgument)
+        try:
+            done = await download(self._gateway, plc, program.Value, name.Value)
+        except DownloadError:
+            return status(StatusCodes.BadNotSupported)
+        return [
+            ua.Variant(done.accepted, ua.VariantType.Boolean),
+            ua.Variant([str(problem) for problem in done.problems], ua.VariantType.String, is_array=True),
+        ]
 
     def _switch(self, plc: str, *, running: bool) -> ua.StatusCode:
         link = self._gateway.stations[plc].link

@@ -161,13 +161,13 @@ class Space:
         )
 
     def _system(self, name: str) -> Entry | None:
-        owner, _, last = name.rpartition("/")
+        owner, _, rest = name.partition("/")
         row = self._gateway.find(owner)
         if row is not None:
-            return self._property(row, last)
+            return self._property(row, rest)
         branch = self._branches.get(owner.casefold())
         if branch is not None and branch.plc is not None:
-            return self._plc_nodes.find(branch.path, last)
+            return self._plc_nodes.find(branch.path, rest)
         return self._groups.find(name) or self.gateway_nodes.find(name)
 
     def _property(self, row: int, name: str) -> Entry | None:

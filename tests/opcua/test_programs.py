@@ -7,7 +7,7 @@ from pathlib import Path
 from asyncua import ua
 
 from pcaccess.items.quality import Quality
-from tests.running import running_gateway
+from tests.running import TestClient, running_gateway
 
 PROJECT = """
 project: Test
@@ -119,3 +119,31 @@ async def test_a_fatal_error_of_the_program_stops_its_cpu_and_nothing_else(tmp_p
             pass
         assert await client.write(f"{NEW_PLC}.Input", 3, ua.VariantType.Int16) == "Good"
         assert await client.value(f"{NEW_PLC}.Input") == 3
+
+
+async def test_a_downloaded_program_runs_from_the_next_scan_on_and_memory_stays(tmp_path: Path) -> None:
+    async with running_gateway(plant(tmp_path)) as running, running.client() as client:
+        assert await client.write(f"{NEW_PLC}.Input", 9) == "Good"
+        tripled = DOUBLER.replace("+I     VW0, VW2", "+I     VW0, VW2\n+I     VW0, VW2")
+        accepted, problems = await download(client, tripled)
+        assert (accepted, problems) == (True, [])
+        assert await client.write(f"{NEW_PLC}.Start", True) == "Good"  # a scan has passed
+        assert await client.value(f"{NEW_PLC}.Doubled") == 27
+
+
+async def test_a_downloaded_program_with_errors_changes_nothing_and_says_where(tmp_path: Path) -> None:
+    async with running_gateway(plant(tmp_path)) as running, running.client() as client:
+        accepted, problems = await download(client, DOUBLER.replace("MOVW   VW0, VW2", "MOVW   VB0, VW2"))
+        assert accepted is False
+        assert len(problems) == 1
+        assert problems[0].startswith("new.awl:6:8: STL")
+        assert await client.write(f"{NEW_PLC}.Input", 4) == "Good"
+        assert await client.value(f"{NEW_PLC}.Doubled") == 8
+
+
+async def download(client: TestClient, text: str) -> tuple[bool, list[str]]:
+    name = ua.Variant("new.awl", ua.VariantType.String)
+    accepted, problems = await client.call(
+        NEW_PLC, f"{SYSTEM}/Download", name, ua.Variant(text.encode(), ua.VariantType.ByteString)
+    )
+    return accepted, problems or []

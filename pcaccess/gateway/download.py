@@ -1,0 +1,47 @@
+"""A new program for a soft-PLC that runs: checked beside the old one, taken between two scans, memory kept.
+
+The project file is not touched: the next start runs what ``program:`` names.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from dataclasses import dataclass
+
+from pcaccess.gateway.gateway import Gateway
+from pcaccess.links.soft import SoftLink
+from pcaccess.problems import Problem
+from pcaccess.stl.checker import load_program
+
+log = logging.getLogger(__name__)
+
+
+class DownloadError(Exception):
+    """The PLC cannot take a program at all; the message says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class Downloaded:
+    """``accepted`` is False when there are errors; then nothing has changed."""
+
+    accepted: bool
+    problems: tuple[Problem, ...]
+
+    def __str__(self) -> str:
+        return "\n".join(str(problem) for problem in self.problems)
+
+
+async def download(gateway: Gateway, plc: str, data: bytes, name: str) -> Downloaded:
+    """Give the PLC ``Link.PLC`` the program in ``data``; ``name`` stands for it in messages."""
+    station = gateway.stations.get(plc)
+    link = station.link if station is not None else None
+    cpu = link.scanning(plc) if isinstance(link, SoftLink) else None
+    if station is None or cpu is None:
+        raise DownloadError(f"{plc} runs no program; only a soft PLC with a 'program:' takes one")
+    result = await asyncio.to_thread(load_program, data, station.plc.cpu, file=name)
+    if not result.ok:
+        return Downloaded(False, result.problems)
+    cpu.configure(station.plc, result.unwrap())
+    log.info("%s: program %s downloaded", plc, name)
+    return Downloaded(True, result.problems)
