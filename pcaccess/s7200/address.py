@@ -157,8 +157,8 @@ _AREA_NAMES: Final = {
 }
 _WIDTH_LETTERS: Final = {"B": Width.BYTE, "W": Width.WORD, "D": Width.DWORD}
 _ADDRESS: Final = re.compile(
-    r"""(?P<db>DB1\.DB(?P<dbw>[XBWD])(?P<dboff>\d{1,6})(?:\.(?P<dbbit>\d+))?
-        |(?P<area>AIW|AQW|AEW|AAW|HC|HZ|AC|SM|[IQVMSLTCEAZ])(?P<w>[XBWD]?)(?P<off>\d{1,6})(?:\.(?P<bit>\d+))?)
+    r"""(?P<db>DB1\.DB(?P<dbw>[XBWD])(?P<dboff>\d{1,6})(?:\.(?P<dbbit>\d{1,3}))?
+        |(?P<area>AIW|AQW|AEW|AAW|HC|HZ|AC|SM|[IQVMSLTCEAZ])(?P<w>[XBWD]?)(?P<off>\d{1,6})(?:\.(?P<bit>\d{1,3}))?)
         (?:\[(?P<count>\d{1,6})\])?""",
     re.VERBOSE | re.ASCII,
 )

@@ -102,9 +102,9 @@ class DataType(Enum):
             raise ValueTypeError(f"{self.name} takes a number, not a text")
         if self is DataType.REAL:
             try:
-                return struct.pack(">f", value)
+                return struct.pack(">f", float(value))
             except OverflowError:
-                raise ValueRangeError(f"{value} does not fit a REAL") from None
+                raise ValueRangeError("the number is too large for a REAL") from None
         if isinstance(value, float) and not value.is_integer():
             raise ValueTypeError(f"{self.name} takes a whole number, not {value}")
         number = int(value)
