@@ -7,6 +7,7 @@ A file has ``source``, a ``program`` with ``{do}`` in it, and ``cases``. A case 
   does not give start with the opposite value);
 - ``expect``: what is there afterwards; ``same``: places that must not change;
 - ``fault``: the run-time error that happens, the CPU stays in RUN; ``stop``: the fatal one, or "STOP";
+  ``problem``: the checker refuses the program with this code;
 - ``then``: further scans, each with ``at`` (ms, default 10 more), ``given``, ``expect``, ``same``;
 - ``program``, ``cpu``: instead of the file's; ``why``: which rule the case is about.
 
@@ -25,6 +26,7 @@ import yaml
 
 from pcaccess.plc.cpu import Cpu, Mode
 from pcaccess.plc.executor import MakeExecutor
+from pcaccess.plc.interpreter import Interpreter
 from pcaccess.plc.literals import Target, parse_target, parse_value
 from pcaccess.problems import ProblemError
 from pcaccess.s7200.address import Area, parse_address
@@ -38,9 +40,25 @@ from pcaccess.stl.program import Program, SymbolTable
 from pcaccess.stl.reader import read_program
 
 FOLDER: Final = Path(__file__).parent.parent / "tests" / "conformance"
-_CASE_KEYS: Final = {"do", "with", "given", "expect", "same", "fault", "stop", "then", "program", "cpu", "why"}
+_CASE_KEYS: Final = {
+    "do",
+    "with",
+    "given",
+    "expect",
+    "same",
+    "fault",
+    "stop",
+    "problem",
+    "then",
+    "program",
+    "cpu",
+    "why",
+}
 _SCAN_KEYS: Final = {"at", "given", "expect", "same"}
 NOWHERE: Final = SymbolTable()
+
+EXECUTORS: Final[dict[str, MakeExecutor]] = {"interpreter": Interpreter}
+"""Every execution, by the name that tests show."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +81,7 @@ class Case:
     why: str = ""
     fault: str | None = None
     stop: str | None = None
+    problem: str | None = None
     cpu: str = "CPU 226"
 
     def __str__(self) -> str:
@@ -79,7 +98,8 @@ class Case:
 
     def instead(self, do: str, scans: Sequence[Scan], **more: Any) -> Case:
         """The same case with another instruction and other values."""
-        return replace(self, do=do, program=self.program.replace(self.do, do), scans=tuple(scans), **more)
+        changes = {"program": self.program.replace(self.do, do, 1), **more}
+        return replace(self, do=do, scans=tuple(scans), **changes)
 
 
 def load_cases(folder: Path = FOLDER) -> list[Case]:
@@ -132,6 +152,7 @@ def _case(file: str, number: int, row: dict[str, Any], data: dict[str, Any]) -> 
         why=row.get("why", ""),
         fault=row.get("fault"),
         stop=row.get("stop"),
+        problem=row.get("problem"),
         cpu=row.get("cpu", data.get("cpu", "CPU 226")),
     )
 
