@@ -33,7 +33,7 @@ from pcaccess.s7200.address import Area, parse_address
 from pcaccess.s7200.cpu import CpuModel, cpu_model
 from pcaccess.s7200.memory import write_value
 from pcaccess.s7200.pointers import pointer_to
-from pcaccess.s7200.types import DataType
+from pcaccess.s7200.types import DataType, Value
 from pcaccess.stl import layout
 from pcaccess.stl.checker import check_program
 from pcaccess.stl.program import Program, SymbolTable
@@ -201,7 +201,7 @@ def run_case(case: Case, make_executor: MakeExecutor, program: Program | None = 
         for name, was in before.items():
             now = _value(cpu, target(name, case))
             if now != was:
-                seen.differences.append(f"scan {number}: {name} changed from {was} to {now}")
+                seen.differences.append(f"scan {number}: {name} changed from {was!r} to {now!r}")
     seen.faults = [str(record.code) for record in cpu.errors]
     seen.mode = cpu.mode
     return seen
@@ -223,16 +223,18 @@ def _preset(cpu: Cpu, scan: Scan, case: Case) -> None:
 def put(cpu: Cpu, name: str, text: str) -> None:
     """Store a value as a case writes it; inputs change at once, terminal and image."""
     place = parse_target(name, cpu.model, NOWHERE)
-    if text.startswith("&"):
-        kind, value = DataType.DWORD, pointer_to(parse_address(text[1:]))
-    elif text.startswith('"') or text == "":
-        kind, value = parse_value(text.strip('"'), True, place)
-    else:
-        kind, value = parse_value(text, False, place)
+    kind, value = meaning(text, place)
     address = place.address.as_type(kind)
     write_value(cpu.memory, address, kind, value)
     if address.area is Area.I:
         cpu.memory[layout.PHYSICAL_INPUTS : layout.PHYSICAL_INPUTS + 16] = cpu.memory[0:16]
+
+
+def meaning(text: str, place: Target) -> tuple[DataType, Value]:
+    """A value of a case: a number, a pointer, a text in quotes."""
+    if text.startswith("&"):
+        return DataType.DWORD, pointer_to(parse_address(text[1:]))
+    return parse_value(text.strip('"'), text.startswith('"'), place)
 
 
 def _value(cpu: Cpu, place: Target) -> bytes | bool:
@@ -245,12 +247,7 @@ def _value(cpu: Cpu, place: Target) -> bytes | bool:
 
 def _compare(cpu: Cpu, name: str, text: str, case: Case, seen: Observed, when: str) -> None:
     place = target(name, case)
-    if text.startswith("&"):
-        kind, value = DataType.DWORD, pointer_to(parse_address(text[1:]))
-    elif text.startswith('"'):
-        kind, value = parse_value(text.strip('"'), True, place)
-    else:
-        kind, value = parse_value(text, False, place)
+    kind, value = meaning(text, place)
     actual = cpu.read(place.address, kind)
     if actual != value:
         seen.differences.append(f"{when}: {name} is {actual!r}, expected {value!r}")
