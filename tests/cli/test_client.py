@@ -82,6 +82,7 @@ async def test_browse_all_shows_what_plcs_say_of_themselves(client: Command) -> 
         "MicroWin.Dead/Connected",
         "MicroWin.Dead/Mode",
         "MicroWin.Dead/ScanTime",
+        "MicroWin.Dead/Errors",
     ]
 
 
