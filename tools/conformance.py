@@ -3,8 +3,8 @@
 A file has ``source``, a ``program`` with ``{do}`` in it, and ``cases``. A case has
 - ``do``: the instruction under test (or a list of several that must behave the same);
 - ``with``: a list of replacements for ``{words}`` in the whole case: one case for each row;
-- ``given``: what is put into memory before the scan (``&VB100`` is a pointer; SM bits that the case expects and
-  does not give start with the opposite value);
+- ``given``: what is put into memory before the scan (``&VB100`` is a pointer; bits of SMB1 that the case
+  expects and does not give start with the opposite value);
 - ``expect``: what is there afterwards; ``same``: places that must not change;
 - ``fault``: the run-time error that happens, the CPU stays in RUN; ``stop``: the fatal one, or "STOP";
   ``problem``: the checker refuses the program with this code;
@@ -215,7 +215,7 @@ def _preset(cpu: Cpu, scan: Scan, case: Case) -> None:
     """SM bits and Q1.7 that are expected and not given start with the opposite value."""
     for name, text in scan.expect.items():
         place = target(name, case)
-        flag = place.address.area is Area.SM or name == "Q1.7"
+        flag = (place.address.area is Area.SM and place.address.offset == 1) or name == "Q1.7"
         if flag and name not in scan.given and text in ("0", "1"):
             write_value(cpu.memory, place.address, DataType.BOOL, text == "0")
 
@@ -234,7 +234,7 @@ def meaning(text: str, place: Target) -> tuple[DataType, Value]:
     """A value of a case: a number, a pointer, a text in quotes."""
     if text.startswith("&"):
         return DataType.DWORD, pointer_to(parse_address(text[1:]))
-    return parse_value(text.strip('"'), text.startswith('"'), place)
+    return parse_value(text.strip('"'), text == "" or text.startswith('"'), place)
 
 
 def _value(cpu: Cpu, place: Target) -> bytes | bool:

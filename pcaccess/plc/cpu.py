@@ -232,7 +232,7 @@ class Cpu:
             return
         self._begin(now, load)
         self.runtime.run_interrupts()
-        if not self.runtime.stop_requested:
+        if self.fatal is None:  # a STOP in an interrupt routine lets the main program run once more
             self._executor.run(self.module.main)
             unwind_to(self.memory, 0)
         self.runtime.advance(now + load)
