@@ -8,6 +8,7 @@ Source:   exports of Micro/WIN seen in these code pages.
 
 from __future__ import annotations
 
+from itertools import zip_longest
 from typing import Final
 
 _SAMPLE: Final = 20_000
@@ -65,7 +66,7 @@ def _score_western(data: bytes) -> float:
     """Plausible Western European: single accented letters among Latin ones, hardly ever two in a row."""
     score, before = 0.0, " "
     text = data.decode("cp1252", errors="replace")
-    for character, after in zip(text, text[1:] + " ", strict=True):
+    for character, after in zip_longest(text, text[1:], fillvalue=" "):
         if character > "\x7f":
             if not character.isalpha():
                 score += 0.5 if character in "°²³µ±«»“”„–—…¿¡€ºª" else -0.5
