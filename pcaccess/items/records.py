@@ -15,6 +15,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from pcaccess.items.varianttypes import VARIANT_TYPES
 from pcaccess.s7200.types import DataType
 
 MASK_VALUE: Final = 0x01
@@ -43,21 +44,6 @@ class Kind:
         value = [("type", "u1"), ("value", self.value_format)] if self.value_format else []
         return np.dtype([("mask", "u1"), *value, ("status", "<u4"), ("source", "<i8"), ("server", "<i8")])
 
-
-VARIANT_TYPES: Final = MappingProxyType(
-    {
-        DataType.BOOL: 1,
-        DataType.CHAR: 2,
-        DataType.BYTE: 3,
-        DataType.INT: 4,
-        DataType.WORD: 5,
-        DataType.DINT: 6,
-        DataType.DWORD: 7,
-        DataType.REAL: 10,
-        DataType.STRING: 12,
-    }
-)
-"""OPC UA built-in type numbers (Part 6, table of built-in types)."""
 
 _FORMATS: Final = {
     DataType.BOOL: "u1",

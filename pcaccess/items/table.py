@@ -19,9 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pcaccess.items.quality import Limit, Quality, split_code
-from pcaccess.items.records import ALL_KINDS, KINDS, MASK_ALL, MASK_VALUE, NULL_VARIANT, OBJECT_KIND, VARIANT_TYPES
+from pcaccess.items.records import ALL_KINDS, KINDS, MASK_ALL, MASK_VALUE, NULL_VARIANT, OBJECT_KIND
 from pcaccess.items.sample import ItemValue, Sample
 from pcaccess.items.ticks import from_ticks
+from pcaccess.items.varianttypes import VARIANT_TYPES
 from pcaccess.s7200.types import DataType, Value
 
 Rows = NDArray[np.int64]

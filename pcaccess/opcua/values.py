@@ -10,9 +10,9 @@ from asyncua import ua
 from asyncua.ua.status_codes import StatusCodes
 
 from pcaccess.gateway.gateway import Gateway
-from pcaccess.items.records import VARIANT_TYPES
 from pcaccess.items.sample import ItemValue, Sample
 from pcaccess.items.ticks import from_ticks
+from pcaccess.items.varianttypes import VARIANT_TYPES
 from pcaccess.links.base import Outcome
 from pcaccess.opcua.ids import standard
 from pcaccess.project.model import Access

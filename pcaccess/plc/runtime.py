@@ -55,9 +55,10 @@ class CpuRuntime:
         self.extend: Callable[[], bool] = lambda: False
         """Asked when the loop budget is used up: True gives the scan another one."""
         self.budget = 0
-        self._areas = sorted(
-            (AREA_START[a], AREA_START[a] + model.sizes[a] * (2 if a in (Area.T, Area.C) else 1)) for a in Area
-        )
+        self._areas = [
+            *((AREA_START[a], AREA_START[a] + model.sizes[a] * (2 if a in (Area.T, Area.C) else 1)) for a in Area),
+            (layout.ZEROS, layout.ZEROS + 8),
+        ]
         self._module: Module | None = None
         self._executor: Executor | None = None
         self._counted = 0

@@ -137,11 +137,12 @@ class PlcBuilder:
 
     def _port(self, source: raw.RawPort, node: Node) -> Port:
         span = self._tree.value_span(node, "protocol")
+        before = self._findings.errors
         protocol = self._context.word(source.protocol, _PROTOCOLS, node, "protocol", Protocol.PPI)
         parity = self._context.word(source.parity, PARITIES, node, "parity", Parity.EVEN)
         serial = protocol not in (Protocol.S7, Protocol.MODBUS_TCP)
         self._context.checked(lambda text: check_listen(text, serial=serial), source.listen, node, "listen", "")
-        if protocol not in SERVED_PROTOCOLS:
+        if protocol not in SERVED_PROTOCOLS and self._findings.errors == before:
             self._findings.report("PRJ032", span, f"this version does not listen for {protocol.value}")
         return Port(protocol, source.listen, source.baud, parity, source.unit, span)
 

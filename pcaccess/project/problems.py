@@ -54,6 +54,7 @@ class Findings:
     def __init__(self) -> None:
         self.problems: list[Problem] = []
         self.errors = 0
+        self._told: set[tuple[str, Span, str]] = set()
 
     def report(
         self,
@@ -65,6 +66,9 @@ class Findings:
         nearest: str | None = None,
         related: tuple[tuple[Span, str], ...] = (),
     ) -> None:
+        if (code, span, message) in self._told:
+            return  # an alias uses the same place again
+        self._told.add((code, span, message))
         problem = PROJECT.problem(code, span, message, expected=expected, nearest=nearest, related=related)
         self.problems.append(problem)
         self.errors += problem.is_error

@@ -102,6 +102,8 @@ def _take_out(
         steps = steps[:-1]
         while steps and isinstance(steps[-1][0], Mapping):
             steps = steps[:-1]
+    elif len(steps) > 1 and isinstance(steps[-2][0], Mapping) and _is_plain_list(steps[-1][0]):
+        steps = steps[:-1]  # two numbers of which one is none are not one number
     if not steps:
         return False
     owner, key = steps[-1]
@@ -111,6 +113,11 @@ def _take_out(
     elif isinstance(owner, Sequence):
         gone.append((owner, owner.children[key]))
     return True
+
+
+def _is_plain_list(node: Node) -> bool:
+    """Such as ``[0, 32000]``."""
+    return isinstance(node, Sequence) and all(isinstance(child, Scalar) for child in node.children)
 
 
 def _walk(root: Node, loc: tuple[int | str, ...]) -> list[Step]:

@@ -8,6 +8,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
+from pcaccess.codepage import guess_code_page
+
 MAX_SIZE: Final = 50_000_000
 """Bytes. Beyond this a project is a mistake, unless somebody says otherwise."""
 
@@ -80,7 +82,7 @@ def decode_utf8(data: bytes) -> str:
 def decode_table(data: bytes, encoding: str | None = None) -> str:
     """Text of a table as spreadsheets and engineering tools save it.
 
-    UTF-8, UTF-16 with its mark, else the code page of a Western Windows. ``encoding`` ends the guessing.
+    UTF-8, UTF-16 with its mark, else the likeliest code page. ``encoding`` ends the guessing.
     """
     if encoding is not None:
         return _decode_as(data, encoding)
@@ -91,7 +93,7 @@ def decode_table(data: bytes, encoding: str | None = None) -> str:
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
-        return data.decode("cp1252", "replace")
+        return data.decode(guess_code_page(data), "replace")
 
 
 def _decode_as(data: bytes, encoding: str) -> str:

@@ -94,8 +94,7 @@ def _square_root(a: float) -> float:
 
 
 def _whole(function: Callable[[float], int]) -> Callable[[float], float]:
-    """As IEEE 754 does it: -0.5 without its fraction is -0."""
-    return lambda a: math.copysign(float(function(a)), a) if math.isfinite(a) else a
+    return lambda a: float(function(a)) if math.isfinite(a) else a
 
 
 _UNARY_REAL: Final[dict[UnaryOp, Callable[[float], float]]] = {

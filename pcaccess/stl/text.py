@@ -15,6 +15,8 @@ import re
 from dataclasses import dataclass
 from typing import Final
 
+from pcaccess.codepage import guess_code_page
+
 MAX_BYTES: Final = 16 * 1024 * 1024
 """Largest program text; a full CPU 226 is about 0.3 MB."""
 
@@ -97,7 +99,8 @@ def _detected(data: bytes) -> Decoded:
             return Decoded(data.decode(name), name)
         except UnicodeDecodeError:
             continue
-    return _code_page(data)
+    best = guess_code_page(data)
+    return Decoded(data.decode(best, errors="replace"), best)
 
 
 def _utf16_without_mark(data: bytes) -> Decoded:
@@ -105,74 +108,3 @@ def _utf16_without_mark(data: bytes) -> Decoded:
         if len(data) % 2 == 0 and data[high::2].count(0) * 2 > len(data) // 2 and data[1 - high :: 2].count(0) == 0:
             return Decoded(data.decode(name, errors="replace"), name)
     raise NotText("the file holds NUL bytes, which no program text has; it is damaged or of another kind")
-
-
-_SAMPLE: Final = 20_000
-"""Bytes of non-ASCII lines that the code page is judged by."""
-_FREQUENT: Final = frozenset(
-    "的一是在不和有大中为以上下到时用可分子程序主网络标题注释段块始停止启动电机开关输入出初化控制数据值"
-    "定时器计水泵温度压力阀门报警故障运行手自复位正反转速灯红绿黄按钮信号传感模式总当前设置次间秒第断"
-)
-
-
-def _code_page(data: bytes) -> Decoded:
-    sample = b"\n".join(line for line in data.splitlines() if not line.isascii())[:_SAMPLE]
-    scores = {"gbk": _score_gbk(sample), "cp1251": _score_cyrillic(sample), "cp1252": _score_western(sample)}
-    best = max(scores, key=lambda name: scores[name])
-    return Decoded(data.decode(best, errors="replace"), best)
-
-
-def _score_gbk(data: bytes) -> float:
-    """Plausible Chinese: pairs of the common characters (GB 2312 level 1) and of full-width punctuation."""
-    try:
-        text = data.decode("gbk")
-    except UnicodeDecodeError as error:
-        if error.start < len(data) - 1:  # a file cut off in the middle of a character is still Chinese
-            return float("-inf")
-        text = data[: error.start].decode("gbk")
-    score = 0.0
-    for character in text:
-        if character > "\x7f":
-            lead, trail = character.encode("gbk")
-            if trail < 0xA1:  # beyond GB 2312: rarely Chinese, often an accented letter and the ASCII one behind it
-                score -= 1.0
-            else:
-                score += (
-                    3.0 if character in _FREQUENT else 1.5 if 0xB0 <= lead <= 0xD7 else 1.0 if lead <= 0xA3 else -0.5
-                )
-    return score
-
-
-def _score_cyrillic(data: bytes) -> float:
-    """Plausible Russian: letters stand in words, never beside Latin ones, and no capital inside a word."""
-    score, before = 0.0, " "
-    for character in data.decode("cp1251", errors="replace"):
-        if character > "\x7f":
-            if "а" <= character <= "я" or character == "ё":
-                score += 1.0 if not before.isascii() or not before.isalnum() else -1.0
-            elif "А" <= character <= "Я" or character == "Ё":
-                score += -1.0 if "а" <= before <= "я" or (before.isascii() and before.isalpha()) else 1.0
-            else:
-                score += 0.3 if character in "№«»–—…°" else -1.0
-        before = character
-    return score
-
-
-def _score_western(data: bytes) -> float:
-    """Plausible Western European: single accented letters among Latin ones, hardly ever two in a row."""
-    score, before = 0.0, " "
-    text = data.decode("cp1252", errors="replace")
-    for character, after in zip(text, text[1:] + " ", strict=True):
-        if character > "\x7f":
-            if not character.isalpha():
-                score += 0.5 if character in "°²³µ±«»“”„–—…¿¡€ºª" else -0.5
-            elif before > "\x7f":
-                score -= 1.0
-            else:
-                score += 1.2 if _is_latin(before) or _is_latin(after) else -0.2
-        before = character
-    return score
-
-
-def _is_latin(character: str) -> bool:
-    return character.isascii() and character.isalpha()

@@ -115,6 +115,22 @@ def test_a_scaling_of_the_wrong_kind_is_one_mistake_and_not_two() -> None:
     assert told("address: AIW0, type: REAL, raw_type: INT, scaling: yes") == ["PRJ010 scaling: 'yes'"]
 
 
+@pytest.mark.parametrize(
+    ("scaling", "message"),
+    [
+        ("{raw: [0, 1]}", "PRJ009 the key 'scaled' is missing"),
+        ("{raw: [0], scaled: [0, 1]}", "PRJ010 raw: 1 numbers"),
+        ("{raw: [0, 1, 2], scaled: [0, 1]}", "PRJ010 raw: 3 numbers"),
+        ("{raw: [0, x], scaled: [0, 1]}", "PRJ010 'x'"),
+        ("{raw: [0, 1], scaled: [0, .inf]}", "PRJ010 '.inf'"),
+        ("{raw: [0, 1], scaled: [0, 1], clip: true}", "PRJ008 unknown key 'clip'"),
+        ("{raw: [0, 1], scaled: [0, 1], clamp: maybe}", "PRJ010 clamp: 'maybe'"),
+    ],
+)
+def test_a_scaling_that_is_not_complete_is_one_mistake(scaling: str, message: str) -> None:
+    assert told(f"address: AIW0, scaling: {scaling}") == [message]
+
+
 def test_a_limit_of_the_wrong_kind_is_one_mistake_and_not_two() -> None:
     assert told("address: VW0, high: much, low: 1, write_limits: refuse") == ["PRJ010 high: 'much'"]
 

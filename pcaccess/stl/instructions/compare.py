@@ -1,11 +1,11 @@
-"""Compare contacts: bytes, words, double words, reals, strings."""
+"""Compare contacts: bytes, words, double words, reals (strings: ``strings``)."""
 
 from __future__ import annotations
 
 from typing import Any, Final
 
 from pcaccess.s7200.types import DataType
-from pcaccess.stl.define import SAME, In, Power, StackUse, declare, define
+from pcaccess.stl.define import SAME, In, Power, StackUse, define
 from pcaccess.stl.errors import INDIRECT_ADDRESS, RunTimeError
 from pcaccess.stl.ir import Value
 from pcaccess.stl.routine import Routine
@@ -94,26 +94,3 @@ def combine_compare_real(b: Routine, op: str, _: DataType, relation: str, in1: V
     """Combine the top of the logic stack with the result of comparing two REAL values."""
     top = b.top
     b.set_top(b.binary(op, top, _real_relation(b, relation, in1, in2)))
-
-
-_STRINGS: Final = (In("IN1", DataType.STRING), In("IN2", DataType.STRING, constant=False))
-
-load_string = declare(
-    {"LDS=": (True,), "LDS<>": (False,)},
-    group="Compare string",
-    operands=_STRINGS,
-    power=Power.CONTACT,
-    stack=StackUse(0, 1),
-    errors=(INDIRECT_ADDRESS, RunTimeError.OPERAND_RANGE),
-    source="System Manual, Compare string",
-    doc="Push the result of comparing two strings to the logic stack.",
-)
-combine_string = declare(
-    {"AS=": ("and", True), "AS<>": ("and", False), "OS=": ("or", True), "OS<>": ("or", False)},
-    group="Compare string",
-    operands=_STRINGS,
-    power=Power.CONTACT,
-    errors=(INDIRECT_ADDRESS, RunTimeError.OPERAND_RANGE),
-    source="System Manual, Compare string",
-    doc="Combine the top of the logic stack with the result of comparing two strings.",
-)

@@ -1,0 +1,153 @@
+"""What people and programs see: tables, messages, problems, JSON.
+
+A terminal gets colours and tables that fit its width. Anything else gets plain text as wide as it needs to be, so
+that a pipe or a file never holds half an item ID.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from rich.cells import cell_len
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from pcaccess.problems import Problem, render
+
+GAP: Final = "  "
+STYLES: Final = {"good": "green", "uncertain": "yellow", "bad": "red", "dim": "dim"}
+"""What a cell means to what it looks like."""
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    title: str
+    right: bool = False
+    """Numbers stand at the right."""
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """A text and what it means: a key of ``STYLES``."""
+
+    text: str
+    meaning: str = ""
+
+
+Row = Sequence[str | Cell]
+
+
+def console() -> Console:
+    """Of standard output as it is now."""
+    return Console(highlight=False, soft_wrap=True)
+
+
+def show(text: str = "", *, meaning: str = "") -> None:
+    """A line for people on standard output."""
+    console().print(Text(text, STYLES.get(meaning, meaning)))
+
+
+def complain(text: str) -> None:
+    """A line for people on standard error."""
+    stderr = Console(stderr=True, highlight=False, soft_wrap=True)
+    stderr.print(Text.assemble(("pcaccess: ", "bold red"), text))
+
+
+def note(text: str) -> None:
+    """A remark for people on standard error, so that standard output stays what was asked for."""
+    Console(stderr=True, highlight=False, soft_wrap=True).print(Text(text, "dim"))
+
+
+def show_table(columns: Sequence[Column], rows: Sequence[Row]) -> None:
+    """Rows below their titles."""
+    out = console()
+    if out.is_terminal:
+        out.print(rich_table(columns, rows))
+        return
+    for line in plain_table(columns, rows):
+        print(line)
+
+
+def rich_table(columns: Sequence[Column], rows: Iterable[Row]) -> Table:
+    """For a terminal, or for a live display."""
+    table = Table(box=None, pad_edge=False, padding=(0, len(GAP), 0, 0), header_style="bold")
+    for column in columns:
+        table.add_column(column.title, justify="right" if column.right else "left", overflow="fold")
+    for row in rows:
+        table.add_row(*(Text(cell.text, STYLES.get(cell.meaning, "")) for cell in map(as_cell, row)))
+    return table
+
+
+def plain_table(columns: Sequence[Column], rows: Iterable[Row]) -> list[str]:
+    """Lines without colours, columns as wide as their widest cell, no blanks at the end."""
+    texts = [[column.title for column in columns], *([as_cell(cell).text for cell in row] for row in rows)]
+    widths = [max(map(cell_len, cells)) for cells in zip(*texts, strict=True)]
+    return [
+        GAP.join(
+            _pad(text, width, column.right) for text, width, column in zip(line, widths, columns, strict=True)
+        ).rstrip()
+        for line in texts
+    ]
+
+
+def as_cell(cell: str | Cell) -> Cell:
+    return cell if isinstance(cell, Cell) else Cell(cell)
+
+
+def _pad(text: str, width: int, right: bool) -> str:
+    blanks = " " * (width - cell_len(text))
+    return blanks + text if right else text + blanks
+
+
+# ---------------------------------------------------------------------- problems
+
+
+def show_problems(problems: Iterable[Problem], *, stderr: bool) -> None:
+    """Each with its source line and carets, in colour where there is any."""
+    out = Console(stderr=stderr, highlight=False, soft_wrap=True)
+    sources = _Sources()
+    for problem in problems:
+        head, *rest = render(problem, sources.text(problem.span.file)).splitlines()
+        out.print(Text(head, "bold red" if problem.is_error else "bold yellow"))
+        for line in rest:
+            out.print(Text(line))
+
+
+class _Sources:
+    """Files that problems are in, each read once; what cannot be read is empty."""
+
+    def __init__(self) -> None:
+        self._texts: dict[str, str] = {}
+
+    def text(self, file: str) -> str:
+        if file not in self._texts:
+            try:
+                self._texts[file] = Path(file).read_text(encoding="utf-8", errors="replace")
+            except OSError:
+                self._texts[file] = ""
+        return self._texts[file]
+
+
+# ---------------------------------------------------------------------- for programs
+
+
+def json_line(value: object) -> None:
+    """One JSON value on one line, at once."""
+    sys.stdout.write(_json(value) + "\n")
+    sys.stdout.flush()
+
+
+def json_list(values: Sequence[Mapping[str, Any]]) -> None:
+    """A JSON list with one object per line."""
+    body = ",\n".join(_json(value) for value in values)
+    sys.stdout.write(f"[\n{body}\n]\n" if values else "[]\n")
+
+
+def _json(value: object) -> str:
+    return json.dumps(value, ensure_ascii=False, allow_nan=False)

@@ -1,0 +1,72 @@
+"""Exit codes and messages of the command when it is used wrongly, or there is nothing to use it on."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+import pcaccess
+from tests.cli.conftest import invoke
+
+
+def test_the_version_is_told() -> None:
+    assert invoke("--version").out == f"pcaccess {pcaccess.__version__}\n"
+
+
+def test_without_a_command_there_is_help() -> None:
+    outcome = invoke()
+    assert outcome.code == 2
+    assert "Usage" in outcome.out + outcome.err
+
+
+@pytest.mark.parametrize("command", ["run", "check", "schema", "browse", "read", "write", "watch"])
+def test_every_command_has_help(command: str) -> None:
+    outcome = invoke(command, "--help")
+    assert (outcome.code, outcome.err) == (0, "")
+    assert f"pcaccess {command}" in outcome.out.replace("root", "pcaccess")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("nonsense",),
+        ("read",),
+        ("check", "--nonsense"),
+        ("watch", "--interval", "100"),
+        ("watch", "--for", "0s"),
+        ("watch", "--count", "0"),
+        ("browse", "--depth", "0"),
+        ("run", "--endpoint", "localhost:4840"),
+        ("run", "--log-level", "loud"),
+        ("write",),
+        ("write", "A.B.C"),
+        ("write", "A.B.C", "1", "D.E.F"),
+        ("write", "A.B.C", "--jsn"),
+    ],
+)
+def test_wrong_usage_is_exit_code_2(arguments: tuple[str, ...]) -> None:
+    outcome = invoke(*arguments)
+    assert (outcome.code, outcome.out) == (2, "")
+    assert "Usage" in outcome.err
+
+
+def test_without_a_server_the_message_says_what_to_do(unused_port: int) -> None:
+    outcome = invoke("read", "A.B.C", "--url", f"opc.tcp://127.0.0.1:{unused_port}/x")
+    assert (outcome.code, outcome.out) == (1, "")
+    assert outcome.err.startswith(f"pcaccess: no server at opc.tcp://127.0.0.1:{unused_port}/x (")
+    assert "start one with: pcaccess run" in outcome.err
+
+
+@pytest.mark.parametrize("url", ["127.0.0.1:4840", "http://127.0.0.1:4840", "opc.tcp://127.0.0.1"])
+def test_what_is_no_endpoint_is_usage(url: str) -> None:
+    outcome = invoke("read", "A.B.C", "--url", url)
+    assert outcome.code == 2
+    assert "opc.tcp://HOST:PORT/PATH" in " ".join(outcome.err.split())
+
+
+def test_help_imports_nothing_that_takes_long() -> None:
+    code = "import sys, pcaccess.cli.main; print([m for m in ('asyncua', 'numpy', 'pydantic') if m in sys.modules])"
+    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert shown.stdout == "[]\n"
