@@ -24,8 +24,9 @@ from typing import Any, Final
 
 import yaml
 
+from pcaccess.plc.compiler import Compiled
 from pcaccess.plc.cpu import Cpu, Mode
-from pcaccess.plc.executor import MakeExecutor
+from pcaccess.plc.executor import Executor, MakeExecutor
 from pcaccess.plc.interpreter import Interpreter
 from pcaccess.plc.literals import Target, parse_target, parse_value
 from pcaccess.problems import ProblemError
@@ -36,8 +37,10 @@ from pcaccess.s7200.pointers import pointer_to
 from pcaccess.s7200.types import DataType, Value
 from pcaccess.stl import layout
 from pcaccess.stl.checker import check_program
+from pcaccess.stl.ir import Module
 from pcaccess.stl.program import Program, SymbolTable
 from pcaccess.stl.reader import read_program
+from pcaccess.stl.runtime import Runtime
 
 FOLDER: Final = Path(__file__).parent.parent / "tests" / "conformance"
 _CASE_KEYS: Final = {
@@ -57,7 +60,13 @@ _CASE_KEYS: Final = {
 _SCAN_KEYS: Final = {"at", "given", "expect", "same"}
 NOWHERE: Final = SymbolTable()
 
-EXECUTORS: Final[dict[str, MakeExecutor]] = {"interpreter": Interpreter}
+
+def compiled(module: Module, runtime: Runtime) -> Executor:
+    """Machine code, or nothing: not the interpreter instead."""
+    return Compiled(module, runtime, optimise=False)
+
+
+EXECUTORS: Final[dict[str, MakeExecutor]] = {"interpreter": Interpreter, "compiled": compiled}
 """Every execution, by the name that tests show."""
 
 

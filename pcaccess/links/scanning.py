@@ -14,6 +14,7 @@ from typing import Final
 from pcaccess.clock import Clock
 from pcaccess.items.quality import Quality
 from pcaccess.links.base import Outcome, PlcStatus, RawWrite, Sink
+from pcaccess.plc.compiler import make_executor
 from pcaccess.plc.cpu import Cpu, Mode
 from pcaccess.project.model import Plc
 from pcaccess.s7200.memory import MEMORY_SIZE
@@ -40,7 +41,13 @@ class ScanningPlc:
         self._told = 0
         self._stopped_by_fault = False
         self._answers: list[asyncio.Future[Outcome]] = []
-        self.cpu = Cpu(plc.cpu, program, now=self._milliseconds(), extend_scan=self._in_time)
+        self.cpu = Cpu(
+            plc.cpu,
+            program,
+            now=self._milliseconds(),
+            make_executor=make_executor,
+            extend_scan=self._in_time,
+        )
         self.cpu.run(self._milliseconds())
 
     @property

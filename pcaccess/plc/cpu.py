@@ -36,7 +36,7 @@ from pcaccess.stl.program import Program
 from pcaccess.stl.runtime import Peripherals
 
 LOOP_BUDGET: Final = 100_000
-"""Backward jumps of a scan before the watchdog asks. A real CPU needs 500 ms for a tenth of that."""
+"""Backward jumps and calls of a scan before the watchdog asks. A real CPU needs 500 ms for a tenth of that."""
 
 _I: Final = AREA_START[Area.I]
 _Q: Final = AREA_START[Area.Q]
@@ -79,7 +79,7 @@ class Cpu:
         """The CPU is switched on at ``now`` and is in STOP.
 
         ``memory``: a zeroed buffer of ``layout.BUFFER_SIZE`` bytes to live in. ``stop_outputs``: outputs in STOP
-        (16 bytes), None freezes them. ``extend_scan``: asked when ``loop_budget`` backward jumps were made; True
+        (16 bytes), None freezes them. ``extend_scan``: asked after ``loop_budget`` backward jumps and calls; True
         lets the scan go on (a caller with a clock looks at the time), else the watchdog ends it.
         """
         self.model = model

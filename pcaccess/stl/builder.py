@@ -76,8 +76,11 @@ class Builder:
         return value
 
     def const(self, kind: IrType, number: int | float) -> Value:
-        """A constant; an integer wraps to its type."""
-        number = float(number) if kind.real else kind.wrap(int(number))
+        """A constant; an integer wraps to its type, a real is rounded to it."""
+        if kind.real:
+            number = evaluate.round_to_single(number) if kind is IrType.F32 else float(number)
+        else:
+            number = kind.wrap(int(number))
         key = (kind, number, str(number)[0] == "-")  # -0.0 equals 0.0, and is not the same constant
         value = self._constants.get(key)
         if value is None:

@@ -94,7 +94,8 @@ def _square_root(a: float) -> float:
 
 
 def _whole(function: Callable[[float], int]) -> Callable[[float], float]:
-    return lambda a: float(function(a)) if math.isfinite(a) else a
+    """As IEEE 754 does it: -0.5 without its fraction is -0."""
+    return lambda a: math.copysign(float(function(a)), a) if math.isfinite(a) else a
 
 
 _UNARY_REAL: Final[dict[UnaryOp, Callable[[float], float]]] = {

@@ -45,7 +45,7 @@ TICKS_100: Final = IN_INTERRUPT + 1
 MILLISECONDS: Final = TICKS_100 + 4
 """Double word: the millisecond counter of BITIM."""
 BUDGET: Final = MILLISECONDS + 4
-"""Double word: backward jumps left until the watchdog wants to know."""
+"""Double word: backward jumps and calls left until the watchdog wants to know."""
 ZEROS: Final = BUDGET + 4
 """8 bytes that are always 0: what a contact reads where its pointer names nothing."""
 EDGES: Final = ZEROS + 8

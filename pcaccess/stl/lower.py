@@ -271,6 +271,7 @@ class PouBuilder(Routine):
                     assert isinstance(operand, Direct | Indirect)
                     value = self.load(self.place_of(operand, variable.data_type, targets.get(n)))
                 passed.append((variable, value))
+        self.emit(ir.Budget())
         self.emit(ir.PushFrame())
         for variable, value in passed:
             self.store(_local(variable), value)
