@@ -56,12 +56,13 @@ def run(
 def _serve(loaded: Loaded, path: Path, endpoint: str | None, *, as_json: bool) -> None:
     import asyncio
 
-    from pcaccess.cli.serving import serve, settle_memory, stopped_by_signals
+    from pcaccess.cli.serving import serve, stopped_by_signals
     from pcaccess.clock import SystemClock
+    from pcaccess.collector import settle
     from pcaccess.opcua.server import EndpointError
 
     def ready(url: str) -> None:
-        settle_memory()
+        settle()
         content = content_of(loaded.project)
         if as_json:
             json_line({"url": url, "project": loaded.project.name, **content, "warnings": len(loaded.warnings)})

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import gc
 import logging
 import signal
 from collections.abc import Callable, Iterator
@@ -57,12 +56,6 @@ async def serve(
             await server.stop()
             for task in running:
                 task.cancel()
-
-
-def settle_memory() -> None:
-    """What was made so far stays for good: the garbage collector need not look at it again, which costs pauses."""
-    gc.collect()
-    gc.freeze()
 
 
 @contextmanager

@@ -17,6 +17,7 @@ from itertools import groupby
 from types import MappingProxyType
 
 from pcaccess.clock import Clock
+from pcaccess.collector import paused
 from pcaccess.gateway.dynamic import DynamicNames
 from pcaccess.gateway.groups import Group
 from pcaccess.gateway.programs import Programs, load_programs
@@ -54,8 +55,9 @@ class Gateway:
         self._listeners: list[Callable[[], None]] = []
         self._tasks: asyncio.TaskGroup | None = None
         self._driver_tasks: dict[str, asyncio.Task[None]] = {}
-        for link in project.links:
-            self.add_link(link)
+        with paused():
+            for link in project.links:
+                self.add_link(link)
         self.set_groups()
 
     # ------------------------------------------------------------------ structure

@@ -6,6 +6,7 @@ import errno
 from urllib.parse import urlsplit
 
 from pcaccess import __version__
+from pcaccess.collector import paused
 from pcaccess.gateway.gateway import Gateway
 from pcaccess.opcua.asyncua_server import GatewayServer
 from pcaccess.opcua.gatewaynode import Reload
@@ -57,7 +58,8 @@ class OpcUaServer:
             )
         server = self._server
         server.set_endpoint(self._endpoint)
-        await server.init()
+        with paused():
+            await server.init()
         for index, uri in ((ITEMS, ITEMS_URI), (SYSTEM, SYSTEM_URI)):
             if await server.register_namespace(uri) != index:
                 raise EndpointError(f"namespace {uri} did not get index {index}")

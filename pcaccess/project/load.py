@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from pcaccess.collector import paused
 from pcaccess.problems import Problem, ProblemError, Span
 from pcaccess.project.build import build_project
 from pcaccess.project.context import Context, children
@@ -46,6 +47,11 @@ def load_text(text: str, name: str = "items.yaml", base: Path | None = None, *, 
 
 
 def _load(text: str, name: str, path: Path, base: Path | None, max_size: int) -> Loaded:
+    with paused():
+        return _build(text, name, path, base, max_size)
+
+
+def _build(text: str, name: str, path: Path, base: Path | None, max_size: int) -> Loaded:
     findings = Findings()
     try:
         tree = read_yaml(text, name)
