@@ -18,9 +18,10 @@ from asyncua import Client, ua
 
 from pcaccess.clock import SystemClock
 from pcaccess.gateway.gateway import Gateway
-from pcaccess.gateway.reload import Applied, apply_project
+from pcaccess.gateway.reload import apply_project
 from pcaccess.items.quality import Quality, from_status
 from pcaccess.opcua.server import OpcUaServer
+from pcaccess.project import diff
 from pcaccess.project.load import load_project, load_text
 
 PATIENCE = 10.0
@@ -122,11 +123,11 @@ class Running:
         async with Client(self.url) as client:
             yield TestClient(client)
 
-    def reload(self, text: str) -> Applied:
+    def reload(self, text: str) -> diff.Changes:
         """Apply another project text."""
         return apply_project(self.gateway, load_text(text).project)
 
-    def reload_file(self, path: Path) -> Applied:
+    def reload_file(self, path: Path) -> diff.Changes:
         """Apply a project file that was saved."""
         return apply_project(self.gateway, load_project(path).project)
 

@@ -12,7 +12,6 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
 from itertools import groupby
 from types import MappingProxyType
 
@@ -137,7 +136,7 @@ class Gateway:
         before, self._groups = self._groups, {}
         for group in self.project.groups:
             known = before.get(group.name.casefold())
-            if known is None or replace(known.config, span=group.span) != group:
+            if known is None or known.config != group:
                 known = Group(group, self)
             self._groups[group.name.casefold()] = known
 

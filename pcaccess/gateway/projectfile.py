@@ -14,8 +14,9 @@ from typing import Final
 
 from pcaccess.gateway.gateway import Gateway
 from pcaccess.gateway.programs import Programs, load_programs
-from pcaccess.gateway.reload import Applied, apply_project
+from pcaccess.gateway.reload import apply_project
 from pcaccess.problems import Problem, ProblemError
+from pcaccess.project.diff import Changes
 from pcaccess.project.load import Loaded, load_project
 
 log = logging.getLogger(__name__)
@@ -30,7 +31,7 @@ _Stamp = tuple[int, int, int]
 class Reloaded:
     """What came of a reload: ``applied``, or the problems that forbade it."""
 
-    applied: Applied | None
+    applied: Changes | None
     problems: tuple[Problem, ...] = ()
 
     def __str__(self) -> str:

@@ -8,30 +8,19 @@ Not here: reading and checking the file (``pcaccess.project.load``); a file with
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from pcaccess.gateway.gateway import Gateway
 from pcaccess.gateway.programs import Programs, load_programs
 from pcaccess.gateway.station import Station
+from pcaccess.project.diff import Changes, compare
 from pcaccess.project.model import Item, Link, Plc, Project
 
 
-@dataclass(frozen=True, slots=True)
-class Applied:
-    """What a reload did, in numbers of items."""
-
-    added: int
-    changed: int
-    removed: int
-
-    def __str__(self) -> str:
-        return f"{self.added} items added, {self.changed} changed, {self.removed} removed"
-
-
-def apply_project(gateway: Gateway, project: Project, programs: Programs | None = None) -> Applied:
-    """Make ``gateway`` run ``project``; its programs are read here when they are not given."""
+def apply_project(gateway: Gateway, project: Project, programs: Programs | None = None) -> Changes:
+    """Make ``gateway`` run ``project`` and say what was different; programs are read here unless given."""
     loaded = load_programs(project) if programs is None else programs
-    done = _count(gateway.project, project)
+    done = compare(gateway.project, project)
     old_links = {link.name: link for link in gateway.project.links}
     new_links = {link.name: link for link in project.links}
     gateway.project, gateway.programs = project, loaded
@@ -51,16 +40,9 @@ def apply_project(gateway: Gateway, project: Project, programs: Programs | None 
     return done
 
 
-def _count(old: Project, new: Project) -> Applied:
-    before, after = old.items_by_id(), new.items_by_id()
-    both = before.keys() & after.keys()
-    changed = sum(replace(before[key], span=after[key].span) != after[key] for key in both)
-    return Applied(len(after) - len(both), changed, len(before) - len(both))
-
-
 def _same_connection(old: Link, new: Link) -> bool:
     """Everything of the link but its PLCs and where it stands in the file is as before."""
-    return replace(old, plcs=new.plcs, span=new.span, description=new.description) == new
+    return replace(old, plcs=new.plcs, description=new.description) == new
 
 
 def _same_station(old: Plc, new: Plc) -> bool:
