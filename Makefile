@@ -1,5 +1,6 @@
 PROJECT ?= items.yaml
 WORKERS ?= 2
+SECONDS ?= 60
 PY := .venv/bin/python
 CODE := pcaccess tests tools $(wildcard bench examples)
 BENCHES := $(filter-out bench/_%,$(wildcard bench/*.py))
@@ -7,7 +8,7 @@ BENCHES := $(filter-out bench/_%,$(wildcard bench/*.py))
 .DEFAULT_GOAL := help
 
 .NOTPARALLEL:
-.PHONY: help run test check unit bench format clean
+.PHONY: help run test check unit fuzz bench format clean
 
 help: ## list these targets
 	@grep -E '^[a-z]+:.*##' Makefile | sed -E 's/^([a-z]+):.*## /  make \1\t/' | expand -t 16
@@ -31,6 +32,10 @@ check: ## style, types, layers, module length, problem pages
 unit: ## the tests alone (WORKERS=0 runs them in one process)
 	@tools/setup.sh test
 	$(PY) -m pytest -n $(WORKERS)
+
+fuzz: ## mutated programs against the STL reader for a minute (SECONDS=3600 for longer)
+	@tools/setup.sh test
+	$(PY) tools/fuzz_reader.py --seconds $(SECONDS)
 
 bench: ## every benchmark of bench/, with its targets
 	@tools/setup.sh test

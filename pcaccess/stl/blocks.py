@@ -93,7 +93,9 @@ class _BlockReader:
         self.problems = problems
         self.known = known
         self.file = RawFile()
-        self.explicit = any(is_header(line) for line in lines)
+        headers, self.heads = _find_headers(lines)
+        """``heads``: numbers of the block headers that have their BEGIN."""
+        self.explicit = headers > 0
         """The file has block headers, so text outside of blocks is a mistake."""
         self.block: RawBlock | None = None
         self.network: RawNetwork | None = None
@@ -103,6 +105,8 @@ class _BlockReader:
         self.in_head = False
         """Between a block header and BEGIN, where plain text is comment."""
         self.directive: str | None = None
+        self.nameless = 0
+        """Headers so far that do not say their block's number."""
         self.called: set[tuple[PouKind, int]] = set()
         """Blocks that a CALL or ATCH has named so far."""
         self.astray = False
@@ -211,14 +215,15 @@ class _BlockReader:
             self.wrong_header(span, keyword, code, header.right)
         index = header.number
         if index is None:
-            index = 1 if header.kind is PouKind.MAIN else sum(1 for b in self.file.blocks if b.kind is header.kind)
+            index = 1 if header.kind is PouKind.MAIN else self.nameless
+            self.nameless += header.kind is not PouKind.MAIN
         if self.block is not None and self.block.keyword:
             opened = ((self.block.span, "it begins here"),)
             expected = f"END_{self.block.keyword} before the next block"
             self.problems.add("STL004", span, f"{self.block.name} is not closed", expected=expected, related=opened)
         self.section = None
         self.open(RawBlock(header.kind, index, header.name or f"{header.kind.value}{index}", span, keyword))
-        self.in_head = self.begin_follows(number)
+        self.in_head = number in self.heads
 
     def wrong_header(self, span: Span, keyword: str, code: str, right: str) -> None:
         expected = right or f"{' or '.join(KEYWORDS)}, a name, and :OB1, :SBR0 to :SBR127 or :INT0 to :INT127"
@@ -227,15 +232,6 @@ class _BlockReader:
         if keyword == "FUNCTION_BLOCK":
             message += "; only the S7-200 SMART and the S7-300 have function blocks"
         self.problems.add("STL005", span, message, expected=expected, nearest=nearest, where="")
-
-    def begin_follows(self, number: int) -> bool:
-        for line in self.lines[number:]:
-            word = first_word(line).upper()
-            if word == "BEGIN":
-                return True
-            if word.startswith("NETWORK") or word.endswith("_BLOCK"):
-                return False
-        return False
 
     def read_block_end(self, number: int, line: str, keyword: str) -> None:
         if self.block is None:
@@ -312,7 +308,7 @@ class _BlockReader:
 
     def read_old_end(self, number: int, line: str) -> None:
         word = first_word(line).upper()
-        block = self.block
+        block = self.need_block(number, line) if word == "MEND" else self.block
         if block is None or block.kind is not OLD_ENDS[word] or (self.explicit and word != "MEND"):
             self.read_statement(number, line)
             return
@@ -465,6 +461,24 @@ class _BlockReader:
     def span(self, number: int, line: str) -> Span:
         """The text of a line without the blanks around it."""
         return self.problems.span(number, len(line) - len(line.lstrip()) + 1, len(line.strip()))
+
+
+def _find_headers(lines: Sequence[str]) -> tuple[int, frozenset[int]]:
+    """How many block headers there are, and the line numbers of those with a BEGIN before their first network."""
+    count = 0
+    heads = []
+    header = 0
+    for number, line in enumerate(lines, 1):
+        word = first_word(line).upper()
+        if is_header(line):
+            count += 1
+            header = number
+        elif word == "BEGIN" and header:
+            heads.append(header)
+            header = 0
+        elif word.startswith("NETWORK") or word.endswith("_BLOCK"):
+            header = 0
+    return count, frozenset(heads)
 
 
 def _short(text: str) -> str:

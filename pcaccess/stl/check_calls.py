@@ -30,11 +30,13 @@ from pcaccess.stl.program import (
 NESTING: Final = 8
 """Calls inside each other from the main program."""
 INTERRUPT_NESTING: Final = 1
+MAX_NUMBER: Final = 127
+"""Of a subroutine or interrupt routine on the largest CPU."""
 _SMALL: Final = frozenset({"CPU 221", "CPU 222"})
 _SMALL_EVENTS: Final = frozenset({*range(13), *range(19, 24), *range(27, 34)})
 _ONE_PORT_EVENTS: Final = frozenset({*range(24), *range(27, 34)})
 _SMALL_COUNTERS: Final = frozenset({0, 3, 4, 5})
-_MAX_SBR: Final = MappingProxyType({"CPU 226XM": 127})
+_MAX_SBR: Final = MappingProxyType({"CPU 226XM": MAX_NUMBER})
 _MAKERS: Final = MappingProxyType({Section.IN: In, Section.IN_OUT: InOut, Section.OUT: Out})
 
 _Block = tuple[PouKind, int]
@@ -76,7 +78,7 @@ def _check_blocks(program: Program, cpu: CpuModel, problems: Collector) -> None:
         message = "this program has no main program, so nothing is ever executed"
         problems.add("STL085", span, message, expected="ORGANIZATION_BLOCK MAIN:OB1")
     for pou in program.pous:
-        last = 127 if pou.kind is PouKind.INT else _MAX_SBR.get(cpu.name, 63)
+        last = MAX_NUMBER if pou.kind is PouKind.INT else _MAX_SBR.get(cpu.name, 63)
         if pou.kind is not PouKind.MAIN and pou.number > last:
             message = f"a {cpu.name} has no {pou.block}"
             problems.add("STL036", pou.span, message, expected=f"{pou.kind.value}0 to {pou.kind.value}{last}")
@@ -186,27 +188,29 @@ _MODEL_CHECKS: Final = MappingProxyType(
 
 def _check_recursion(program: Program, calls: _Calls, problems: Collector) -> None:
     """A warning at each CALL that leads back to the block it stands in."""
-    reached = {(pou.kind, pou.number): _reachable(pou, calls) for pou in program.pous}
+    callees = {
+        block: frozenset((target.kind, target.number) for target, _, _ in of)
+        for block, of in calls.items()
+        if block[1] <= MAX_NUMBER  # others were reported, and their number would have no end
+    }
+    reached = {block: _reachable(block, callees) for block in callees}
     for pou in program.pous:
         for target, instruction, where in calls[pou.kind, pou.number]:
-            if target is pou or (pou.kind, pou.number) in reached[target.kind, target.number]:
+            if (pou.kind, pou.number) in reached.get((target.kind, target.number), ()):
                 via = "itself" if target is pou else f"itself through {target.name}"
                 message = f"{pou.name} calls {via}"
                 expected = f"an end to it: at most {NESTING} calls can be nested"
                 problems.add("STL083", instruction.span, message, expected=expected, where=where)
 
 
-def _reachable(start: Pou, calls: _Calls) -> set[_Block]:
+def _reachable(start: _Block, callees: Mapping[_Block, frozenset[_Block]]) -> set[_Block]:
     """The blocks that ``start`` calls, directly or not."""
     seen: set[_Block] = set()
     waiting = [start]
     while waiting:
-        pou = waiting.pop()
-        for target, _, _ in calls[pou.kind, pou.number]:
-            key = (target.kind, target.number)
-            if key not in seen:
-                seen.add(key)
-                waiting.append(target)
+        found = callees.get(waiting.pop(), frozenset()) - seen
+        seen |= found
+        waiting += found
     return seen
 
 

@@ -86,7 +86,7 @@ class OperandChecker:
             self.check_one(operand, spec, f"operand {number} ({spec.name}) of {instruction.mnemonic}")
         counted = _COUNTED.get(instruction.mnemonic)
         if counted is not None:
-            self._check_count(instruction, *counted)
+            self._check_count(instruction, *counted, definition.operands[counted[1]])
 
     def check_one(self, operand: Operand, spec: OperandSpec, what: str, wrong_type: str = "STL021") -> None:
         """``what`` names the operand in messages; ``wrong_type`` is the code for a type that does not match."""
@@ -164,9 +164,12 @@ class OperandChecker:
         self._problems.add("STL021", operand.span, message, expected=expected)
         return False
 
-    def _check_count(self, instruction: Instruction, places: Sequence[int], count_at: int) -> None:
+    def _check_count(self, instruction: Instruction, places: Sequence[int], count_at: int, spec: OperandSpec) -> None:
+        """The last of N elements; a pointer or a variable N is checked when it runs."""
         count = instruction.operands[count_at]
-        if not (isinstance(count, Constant) and isinstance(count.value, int) and count.value > 1):
+        if not isinstance(count, Constant) or not isinstance(count.value, int):
+            return
+        if not 1 < count.value <= limits(spec, DataType.BYTE)[1]:
             return
         for at in places:
             operand = instruction.operands[at]
@@ -178,7 +181,7 @@ class OperandChecker:
             except AddressError:
                 continue  # reported already
             try:
-                self._cpu.check(replace(address, count=min(count.value, 1000)))
+                self._cpu.check(replace(address, count=count.value))
             except AddressError:
                 last = self._cpu.range_text(address.area).split(" to ")[-1]
                 message = f"{count.value} elements from {address} on go beyond {last}, the last of a {self._cpu.name}"

@@ -71,6 +71,11 @@ def _number(text: str) -> Number | ConstantError | None:
         return error
 
 
+def longest_name(symbols: SymbolTable, pous: Mapping[str, PouReference]) -> int:
+    """Words of the longest name of a program: so many may belong together."""
+    return max((len(name.split()) for name in (*symbols.names(), *pous)), default=1)
+
+
 class OperandReader:
     """Reads the operands of one POU."""
 
@@ -81,15 +86,15 @@ class OperandReader:
         symbols: SymbolTable,
         pous: Mapping[str, PouReference],
         variables: Iterable[Variable],
+        longest: int,
     ) -> None:
-        """``pous``: blocks of the program by casefolded name."""
+        """``pous``: blocks of the program by casefolded name; ``longest``: see :func:`longest_name`."""
         self._problems = problems
         self._encoding = encoding
         self._symbols = symbols
         self._pous = pous
         self._locals = {variable.name.casefold(): variable for variable in variables}
-        spaced = [s.name for s in symbols.symbols] + [p.name for p in pous.values()] + [f"#{n}" for n in self._locals]
-        self._longest = max((len(name.split()) for name in spaced), default=1)
+        self._longest = max(longest, max((len(name.split()) for name in self._locals), default=1))
 
     def read(self, statement: Statement) -> tuple[Operand, ...]:
         operands: list[Operand] = []

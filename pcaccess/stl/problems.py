@@ -81,7 +81,7 @@ STL: Final = Register(
 )
 
 MAX_PROBLEMS: Final = 1000
-"""A file with more is hardly a program; the rest is counted, not kept."""
+"""Of each severity. A file with more is hardly a program; the rest is counted, not kept."""
 _NEAREST_BUDGET: Final = 200
 """Looking for a similar word takes a millisecond or so; a hopeless file must not take minutes."""
 
@@ -97,6 +97,7 @@ class Collector:
         self.where = ""
         self.problems: list[Problem] = []
         self.left_out = 0
+        self._room = {Severity.ERROR: MAX_PROBLEMS, Severity.WARNING: MAX_PROBLEMS}
         self._budget = _NEAREST_BUDGET
 
     def span(self, line: int, column: int, length: int = 1) -> Span:
@@ -113,9 +114,11 @@ class Collector:
         related: tuple[tuple[Span, str], ...] = (),
         where: str | None = None,
     ) -> None:
-        if len(self.problems) >= MAX_PROBLEMS:
+        severity = STL[code].severity
+        if self._room[severity] <= 0:  # warnings must not crowd out errors
             self.left_out += 1
             return
+        self._room[severity] -= 1
         place = self.where if where is None else where
         self.problems.append(
             STL.problem(code, span, message, expected=expected, nearest=nearest, related=related, where=place)

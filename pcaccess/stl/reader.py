@@ -10,7 +10,7 @@ Errors:   problems in the result; OSError when the file cannot be opened, Lookup
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
@@ -21,7 +21,7 @@ from pcaccess.stl.datablock import parse_data_block, read_data_block
 from pcaccess.stl.definitions import DEFINITIONS
 from pcaccess.stl.foreign import GERMAN, LADDER, S7_300, SMART, s7_300_lines
 from pcaccess.stl.lexer import Statement
-from pcaccess.stl.operands import OperandReader
+from pcaccess.stl.operands import OperandReader, longest_name
 from pcaccess.stl.problems import Collector
 from pcaccess.stl.program import (
     DataBlock,
@@ -33,6 +33,7 @@ from pcaccess.stl.program import (
     Program,
     SymbolTable,
     Unresolved,
+    Variable,
 )
 from pcaccess.stl.symbols import parse_symbols, read_symbols
 from pcaccess.stl.text import NotText, decode
@@ -99,8 +100,7 @@ def read_program(
     statements = [s.mnemonic for block in raw_file.blocks for network in block.networks for s in network.statements]
     hopeless = bool(statements) and not any(word in DEFINITIONS or word in _EXPLAINED for word in statements)
     if hopeless or not raw_file.blocks:
-        _report_no_program(lines, problems, hopeless)
-        return ReadResult(None, _sorted(problems.problems), decoded.text)
+        return ReadResult(None, (_no_program(lines, name, hopeless),), decoded.text)
     further: list[Problem] = []
     if symbols is None:
         symbols = _symbols(data, raw_file, problems, decoded.encoding, further)
@@ -129,16 +129,18 @@ def _report_s7_300(numbers: Sequence[int], lines: Sequence[str], problems: Colle
     problems.add("STL003", span(numbers[0]), message, expected=expected, related=more)
 
 
-def _report_no_program(lines: Sequence[str], problems: Collector, has_words: bool) -> None:
+def _no_program(lines: Sequence[str], file: str, has_words: bool) -> Problem:
+    """Takes the place of everything that was found line by line."""
+    problems = Collector(file)
     first = next(number for number, line in enumerate(lines, 1) if line.strip())
     line = lines[first - 1]
     span = problems.span(first, len(line) - len(line.lstrip()) + 1, len(line.strip()))
-    problems.problems.clear()
     if has_words:
         message = "no line of this file is an instruction of an S7-200"
-        problems.add("STL002", span, message, expected="an STL program (.awl text)", where="")
+        problems.add("STL002", span, message, expected="an STL program (.awl text)")
     else:
-        problems.add("STL001", span, "there are only comments in this file", expected="an STL program", where="")
+        problems.add("STL001", span, "there are only comments in this file", expected="an STL program")
+    return problems.problems[0]
 
 
 # -- symbols and data
@@ -201,16 +203,18 @@ def _pous(raw: RawFile, problems: Collector, symbols: SymbolTable, encoding: str
         else:
             names[block.name.casefold()] = PouReference(block.kind, block.number, block.name, block.span)
         kept.append(block)
-    return tuple(_pou(block, problems, names, symbols, encoding) for block in kept)
+    longest = longest_name(symbols, names)
+    pous = []
+    for block in kept:
+        problems.where = f"{block.name} ({block.kind.value}{block.number})"
+        variables = read_variables(block.kind, block.declarations, problems)
+        operands = OperandReader(problems, encoding, symbols, names, variables, longest)
+        pous.append(_pou(block, problems, variables, operands))
+    return tuple(pous)
 
 
-def _pou(
-    block: RawBlock, problems: Collector, names: Mapping[str, PouReference], symbols: SymbolTable, encoding: str
-) -> Pou:
-    label = f"{block.name} ({block.kind.value}{block.number})"
-    problems.where = label
-    variables = read_variables(block.kind, block.declarations, problems)
-    operands = OperandReader(problems, encoding, symbols, names, variables)
+def _pou(block: RawBlock, problems: Collector, variables: tuple[Variable, ...], operands: OperandReader) -> Pou:
+    label = problems.where
     networks = []
     for network in block.networks:
         problems.where = f"{label}, network {network.number}"

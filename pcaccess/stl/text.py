@@ -45,6 +45,7 @@ _MAGIC: Final = (
     (b"\x89PNG", "this is a picture"),
     (b"\xff\xd8\xff", "this is a picture"),
 )
+_NULS: Final = "the file holds NUL bytes, which no program text has; it is damaged or of another kind"
 _MARKUP: Final = re.compile(r"\s*<(\?xml|!doctype|html|[a-z]\w*[\s>])", re.IGNORECASE)
 _BOMS: Final = (
     (codecs.BOM_UTF8, "utf-8"),
@@ -64,6 +65,8 @@ def decode(data: bytes, encoding: str | None = None) -> Decoded:
             raise NotText(what)
     decoded = _forced(data, encoding) if encoding else _detected(data)
     text = decoded.text.removesuffix("\x1a")
+    if "\x00" in text:
+        raise NotText(_NULS)
     controls = len(_CONTROL.findall(text))
     if controls and controls * 200 > len(text):
         raise NotText("these are not the characters of a text; the file is damaged or of another kind")
@@ -82,7 +85,7 @@ def _forced(data: bytes, encoding: str) -> Decoded:
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
         raise NotText(
-            f"byte {error.start + 1} (line {line}) is not {name}; leave the encoding out or name another"
+            f"line {line}: byte {error.start + 1} is not {name}; leave the encoding out or name another"
         ) from None
     except LookupError:
         raise LookupError(f"{encoding} is not a text encoding") from None
@@ -107,4 +110,4 @@ def _utf16_without_mark(data: bytes) -> Decoded:
     for name, high in (("utf-16-le", 1), ("utf-16-be", 0)):
         if len(data) % 2 == 0 and data[high::2].count(0) * 2 > len(data) // 2 and data[1 - high :: 2].count(0) == 0:
             return Decoded(data.decode(name, errors="replace"), name)
-    raise NotText("the file holds NUL bytes, which no program text has; it is damaged or of another kind")
+    raise NotText(_NULS)
