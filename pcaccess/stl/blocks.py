@@ -24,16 +24,16 @@ from pcaccess.stl.headers import (
     header_text,
     is_header,
     keyword_of,
-    parse_block_name,
     parse_comment_start,
     parse_directive,
     parse_header,
     parse_network,
     parse_old_start,
 )
-from pcaccess.stl.lexer import Statement, canonical, comment_text, first_word, pieces_of, split_code, statement_of
+from pcaccess.stl.lexer import Statement, comment_text, first_word, split_code
 from pcaccess.stl.problems import Collector
 from pcaccess.stl.program import PouKind, Section
+from pcaccess.stl.statements import StatementReader, shortened
 
 
 @dataclass(slots=True)
@@ -92,6 +92,7 @@ class _BlockReader:
         self.lines = lines
         self.problems = problems
         self.known = known
+        self.statements = StatementReader(problems, known)
         self.file = RawFile()
         headers, self.heads = _find_headers(lines)
         """``heads``: numbers of the block headers that have their BEGIN."""
@@ -107,8 +108,6 @@ class _BlockReader:
         self.directive: str | None = None
         self.nameless = 0
         """Headers so far that do not say their block's number."""
-        self.called: set[tuple[PouKind, int]] = set()
-        """Blocks that a CALL or ATCH has named so far."""
         self.astray = False
         """The line before was already reported as standing outside of every block."""
         self.handlers: dict[str, Callable[[int, str], None]] = {
@@ -131,7 +130,7 @@ class _BlockReader:
                 continue
             self.directive = None
             if len(line) > MAX_LINE:
-                self.no_statement(number, line, 0)
+                self.statements.refuse(number, line)
             else:
                 self.read_code(number, line)
         self.finish()
@@ -164,7 +163,7 @@ class _BlockReader:
             self.network.comment.append(text)
 
     def starts_block(self, number: int, line: str) -> bool:
-        awaited = self.called - {(block.kind, block.number) for block in self.file.blocks}
+        awaited = self.statements.called - {(block.kind, block.number) for block in self.file.blocks}
         start = parse_comment_start(line, self.lines[number : number + _LOOK_AHEAD], awaited)
         if start is None or (start[0] is PouKind.MAIN and self.block is None):
             return False
@@ -228,7 +227,7 @@ class _BlockReader:
     def wrong_header(self, span: Span, keyword: str, code: str, right: str) -> None:
         expected = right or f"{' or '.join(KEYWORDS)}, a name, and :OB1, :SBR0 to :SBR127 or :INT0 to :INT127"
         nearest = self.problems.nearest(keyword, KEYWORDS) if keyword not in KEYWORDS else None
-        message = f"{_short(code)} is not the header of a block"
+        message = f"{shortened(code)} is not the header of a block"
         if keyword == "FUNCTION_BLOCK":
             message += "; only the S7-200 SMART and the S7-300 have function blocks"
         self.problems.add("STL005", span, message, expected=expected, nearest=nearest, where="")
@@ -341,70 +340,25 @@ class _BlockReader:
         block = self.need_block(number, line)
         if block is None:
             return
-        if self.goes_on(line):
-            self.continue_statement(number, line)
-            return
+        network = self.network
+        if network is not None and network.statements and not self.pending:
+            last = network.statements[-1]
+            if self.statements.goes_on(last, line):
+                network.statements[-1] = self.statements.continued(last, number, line)
+                return
         self.in_head = False
         if block.ended:
             block.ended = False  # once is enough
             span = self.problems.span(number, len(line) - len(line.lstrip()) + 1, len(first_word(line)))
             message = "this is never executed: the block has ended"
             self.problems.add("STL015", span, message, expected="SBR n or INT n to begin the next block")
-        network = self.network
         if network is None:
             network = RawNetwork(len(block.networks) + 1, "", self.problems.span(number, 1))
             self.enter(network, block)
-        offset = 0
-        while offset >= 0:
-            offset = self.add_statement(network, number, line, offset)
-
-    def add_statement(self, network: RawNetwork, number: int, line: str, offset: int) -> int:
-        """Read the statement at ``offset``; the offset of the next one on the line, or -1."""
-        statement, behind = statement_of(line, number, tuple(self.pending), offset)
-        if statement is None:
-            self.no_statement(number, line, offset)
-            return -1
-        self.pending = []
-        follows = -1
-        text = behind.strip()
-        if text.startswith("//"):
-            statement = statement._replace(comment=comment_text(text))
-        elif canonical(first_word(behind)) in self.known:
-            follows = len(line) - len(behind)
-        elif text:
-            span = self.problems.span(number, len(line) - len(behind.lstrip()) + 1, len(text))
-            self.problems.add("STL035", span, "text behind ';'", expected="// before a comment")
-            statement = statement._replace(comment=text)
-        if statement.mnemonic in ("CALL", "ATCH") and statement.pieces and statement.pieces[0]:
-            called = parse_block_name(statement.pieces[0][0].text)
-            if called is not None:
-                self.called.add(called)
-        network.statements.append(statement)
-        return follows
-
-    def goes_on(self, line: str) -> bool:
-        """The statement before ends with a comma, and this line is no instruction of its own."""
-        statements = self.network.statements if self.network is not None else None
-        if not statements or not statements[-1].open_end or self.pending:
-            return False
-        word = first_word(line)
-        follows = line.strip()[len(word) :].strip()
-        return canonical(word) not in self.known or not follows or follows.startswith(",")
-
-    def continue_statement(self, number: int, line: str) -> None:
-        if self.network is None:
-            return
-        code, _, comment = split_code(line)
-        pieces, open_end = pieces_of(code, number)
-        last = self.network.statements[-1]
-        text = " ".join(part for part in (last.comment, comment) if part)
-        self.network.statements[-1] = last._replace(pieces=last.pieces + pieces, comment=text, open_end=open_end)
-
-    def no_statement(self, number: int, line: str, offset: int) -> None:
-        text = line[offset:].strip()
-        span = self.problems.span(number, line.index(text, offset) + 1, len(text))
-        message = f"{_short(text)} is not an instruction"
-        self.problems.add("STL020", span, message, expected="a mnemonic; a comment starts with //")
+        found = self.statements.read(number, line, tuple(self.pending))
+        if found:
+            self.pending = []
+            network.statements += found
 
     # -- opening and closing
 
@@ -479,8 +433,3 @@ def _find_headers(lines: Sequence[str]) -> tuple[int, frozenset[int]]:
         elif word.startswith("NETWORK") or word.endswith("_BLOCK"):
             header = 0
     return count, frozenset(heads)
-
-
-def _short(text: str) -> str:
-    plain = text.strip()
-    return repr(plain if len(plain) <= 40 else plain[:37] + "...")

@@ -32,6 +32,7 @@ def test_the_seeds_hold_programs_of_every_kind() -> None:
     "data",
     [
         b"_BLOCK\n" * 20_000,
+        b"LD a,\n" + b"b,\n" * 30_000,
         b"BEG X:OB1\n" * 10_000,
         b"LD I0.0\n" * 20_000,
         b"LD " + b"a " * 1900 + b"\n",
@@ -45,7 +46,7 @@ def test_the_seeds_hold_programs_of_every_kind() -> None:
         b"nonsense%d VB0\n" * 5_000,
         "// é".encode("cp1252") * 50_000,
     ],
-    ids=range(13),
+    ids=range(14),
 )  # fmt: skip
 def test_hopeless_files_take_no_more_than_linear_time(data: bytes) -> None:
     assert complaint(data, slow=PATIENCE) is None
