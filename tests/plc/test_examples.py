@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -25,3 +26,10 @@ def test_scenario(path: Path, executor: str) -> None:
 def test_every_example_program_has_a_scenario() -> None:
     programs = set(EXAMPLES.glob("**/*.awl"))
     assert programs == {path.with_suffix(".awl") for path in SCENARIOS}
+
+
+def test_every_pitfall_is_told_and_has_its_program() -> None:
+    page = (EXAMPLES.parent / "docs" / "pitfalls.md").read_text(encoding="utf-8")
+    programs = {path.stem for path in (EXAMPLES / "pitfalls").glob("*.awl")}
+    told = {word for line in page.splitlines() if line.startswith("Program") for word in re.findall(r"`(\w+)`", line)}
+    assert told == programs
