@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from pcaccess.cli.endpoint import PROJECT_FILE
-from pcaccess.cli.failures import Failed
 from pcaccess.cli.options import AsJson, MaxSize
-from pcaccess.cli.output import json_list, show, show_problems
-from pcaccess.cli.projects import content_of, counted, load
+from pcaccess.cli.output import counted, json_list, show, show_problems, write_file
+from pcaccess.cli.projects import content_of, load_all
 
 if TYPE_CHECKING:
     from pcaccess.problems import Problem
@@ -69,14 +68,14 @@ def check(
 
 
 def check_file(path: Path, max_size: int | None = None) -> Checked:
-    """All problems of one project file."""
+    """All problems of one project file and the programs it names."""
     from pcaccess.problems import ProblemError
 
     try:
-        loaded = load(path, max_size)
+        loaded, programs = load_all(path, max_size)
     except ProblemError as error:
         return Checked(str(path), tuple(error.problems), {})
-    return Checked(str(path), loaded.warnings, content_of(loaded.project))
+    return Checked(str(path), (*loaded.warnings, *programs.warnings), content_of(loaded.project))
 
 
 def schema(
@@ -88,8 +87,5 @@ def schema(
     text = json.dumps(project_schema(), indent=2, ensure_ascii=False)
     if output is None:
         print(text)
-        return
-    try:
-        output.write_text(text + "\n", encoding="utf-8")
-    except OSError as error:
-        raise Failed(f"{output} cannot be written: {error.strerror}") from None
+    else:
+        write_file(output, f"{text}\n")

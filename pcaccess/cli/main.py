@@ -13,7 +13,7 @@ import typer
 from typer.core import TyperGroup
 
 from pcaccess import __version__
-from pcaccess.cli import check, client, run
+from pcaccess.cli import check, client, control, exchange, plc, run
 from pcaccess.cli.failures import Failed
 from pcaccess.cli.output import complain, show_problems
 from pcaccess.problems import ProblemError
@@ -59,6 +59,10 @@ app.command()(client.read)
 # A negative number is a value, not an option.
 app.command(context_settings={"ignore_unknown_options": True})(client.write)
 app.command()(client.watch)
+app.command()(control.reload)
+app.command("import")(exchange.import_)
+app.command()(exchange.export)
+app.add_typer(plc.app, name="plc")
 
 
 def main() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 from typing import Annotated
 
 import typer
@@ -45,3 +46,15 @@ def duration(text: str | None) -> float | None:
     if seconds <= 0:
         raise typer.BadParameter(f"{text} is no time at all; expected {EXPECTED}")
     return seconds
+
+
+def known_encoding(name: str | None) -> str | None:
+    """An encoding that Python knows; anything else is wrong usage."""
+    if name is not None:
+        try:
+            codecs.lookup(name)
+        except LookupError:
+            raise typer.BadParameter(
+                f"there is no encoding {name!r}; usual ones are utf-8, cp1252, cp1251, gbk"
+            ) from None
+    return name

@@ -11,6 +11,7 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Final
 
 from rich.cells import cell_len
@@ -18,6 +19,8 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from pcaccess.cli.failures import Failed
+from pcaccess.codepage import guess_code_page
 from pcaccess.problems import Problem, render
 
 GAP: Final = "  "
@@ -105,13 +108,29 @@ def _pad(text: str, width: int, right: bool) -> str:
     return blanks + text if right else text + blanks
 
 
+_PLURALS: Final = MappingProxyType({"plcs": "PLCs"})
+
+
+def counted(counts: Mapping[str, int], *names: str) -> str:
+    """``1 link, 2 PLCs, 14 items``; what there is none of is left out."""
+    return ", ".join(_number(counts[name], name) for name in names if counts.get(name))
+
+
+def _number(count: int, name: str) -> str:
+    words = _PLURALS.get(name, name)
+    return f"{count:,} {words.removesuffix('s') if count == 1 else words}"
+
+
 # ---------------------------------------------------------------------- problems
 
 
-def show_problems(problems: Iterable[Problem], *, stderr: bool) -> None:
-    """Each with its source line and carets, in colour where there is any."""
+def show_problems(problems: Iterable[Problem], *, stderr: bool, texts: Mapping[str, str] | None = None) -> None:
+    """Each with its source line and carets, in colour where there is any.
+
+    ``texts``: files that are known already, decoded.
+    """
     out = Console(stderr=stderr, highlight=False, soft_wrap=True)
-    sources = _Sources()
+    sources = _Sources(texts or {})
     for problem in problems:
         head, *rest = render(problem, sources.text(problem.span.file)).splitlines()
         out.print(Text(head, "bold red" if problem.is_error else "bold yellow"))
@@ -122,16 +141,24 @@ def show_problems(problems: Iterable[Problem], *, stderr: bool) -> None:
 class _Sources:
     """Files that problems are in, each read once; what cannot be read is empty."""
 
-    def __init__(self) -> None:
-        self._texts: dict[str, str] = {}
+    def __init__(self, texts: Mapping[str, str]) -> None:
+        self._texts = dict(texts)
 
     def text(self, file: str) -> str:
         if file not in self._texts:
             try:
-                self._texts[file] = Path(file).read_text(encoding="utf-8", errors="replace")
+                self._texts[file] = _decoded(Path(file).read_bytes())
             except OSError:
                 self._texts[file] = ""
         return self._texts[file]
+
+
+def _decoded(data: bytes) -> str:
+    """Text of a project file (UTF-8) or of a program or table in the code page of its PC."""
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return data.decode(guess_code_page(data), errors="replace")
 
 
 # ---------------------------------------------------------------------- for programs
@@ -151,3 +178,19 @@ def json_list(values: Sequence[Mapping[str, Any]]) -> None:
 
 def _json(value: object) -> str:
     return json.dumps(value, ensure_ascii=False, allow_nan=False)
+
+
+# ---------------------------------------------------------------------- files
+
+
+def write_file(path: Path, text: str) -> None:
+    """Put ``text`` in the place of ``path``, whole or not at all. Raises Failed."""
+    from pcaccess.project.save import replace_file
+
+    try:
+        if path.exists() and not path.is_file():  # a pipe, /dev/null: nothing that could be replaced
+            path.write_text(text, encoding="utf-8")
+        else:
+            replace_file(path, text)
+    except OSError as error:
+        raise Failed(f"{path} cannot be written: {error.strerror}") from None

@@ -77,7 +77,7 @@ class Remote:
             except (UaError, ValueError):
                 return None
         if "/" in name and "," not in name:
-            return self._of_system(name)
+            return self.of_system(name)
         return None if self.items is None else ua.NodeId(ua.String(name), ua.Int16(self.items))
 
     def name(self, node: ua.NodeId) -> str:
@@ -88,17 +88,18 @@ class Remote:
 
     def belonging(self, node: ua.NodeId, name: str) -> ua.NodeId | None:
         """Something of an item in the system namespace of our server: its Quality, its Address ..."""
-        return self._of_system(f"{self.name(node)}/{name}") if node.NamespaceIndex == self.items else None
+        return self.of_system(f"{self.name(node)}/{name}") if node.NamespaceIndex == self.items else None
 
     def group(self, name: str) -> ua.NodeId | None:
         """A group of our server, or with ``NAME/UpdateRate`` something of it."""
-        return self._of_system(f"Groups/{name}")
+        return self.of_system(f"Groups/{name}")
 
     def groups(self) -> ua.NodeId | None:
         """The node that all groups hang under."""
-        return self._of_system("Groups")
+        return self.of_system("Groups")
 
-    def _of_system(self, path: str) -> ua.NodeId | None:
+    def of_system(self, path: str) -> ua.NodeId | None:
+        """A node of our server's own namespace."""
         return None if self.system is None else ua.NodeId(ua.String(path), ua.Int16(self.system))
 
     # ------------------------------------------------------------------ services
@@ -125,6 +126,12 @@ class Remote:
             answered = await self._ask(self._client.uaclient.write(ua.WriteParameters(NodesToWrite=nodes)))
             results += [int(status.value) for status in answered]
         return results
+
+    async def call(self, owner: ua.NodeId, method: ua.NodeId, arguments: Sequence[ua.Variant]) -> ua.CallMethodResult:
+        """Call a method; the result says how it went."""
+        request = ua.CallMethodRequest(ObjectId=owner, MethodId=method, InputArguments=list(arguments))
+        (result,) = await self._ask(self._client.uaclient.call([request]))
+        return result
 
     async def children(self, nodes: Sequence[ua.NodeId], *, properties: bool = False) -> list[list[Child]]:
         """What lies below each node: objects and variables, and with ``properties`` what belongs to items."""

@@ -13,10 +13,11 @@ from pcaccess import __version__
 from pcaccess.cli.endpoint import PROJECT_FILE
 from pcaccess.cli.failures import Failed
 from pcaccess.cli.options import AsJson, MaxSize, check_url
-from pcaccess.cli.output import json_line, show, show_problems
-from pcaccess.cli.projects import content_of, counted, load
+from pcaccess.cli.output import counted, json_line, show, show_problems
+from pcaccess.cli.projects import content_of, load_all
 
 if TYPE_CHECKING:
+    from pcaccess.gateway.programs import Programs
     from pcaccess.project.load import Loaded
 
 PLCS_SHOWN: Final = 20
@@ -47,13 +48,13 @@ def run(
     """
     if endpoint is not None:
         check_url(endpoint)
-    loaded = load(project, max_size)
-    show_problems(loaded.warnings, stderr=True)
+    loaded, programs = load_all(project, max_size)
+    show_problems([*loaded.warnings, *programs.warnings], stderr=True)
     _set_up_logging(log_level)
-    _serve(loaded, project, endpoint, as_json=as_json)
+    _serve(loaded, programs, project, endpoint, as_json=as_json)
 
 
-def _serve(loaded: Loaded, path: Path, endpoint: str | None, *, as_json: bool) -> None:
+def _serve(loaded: Loaded, programs: Programs, path: Path, endpoint: str | None, *, as_json: bool) -> None:
     import asyncio
 
     from pcaccess.cli.serving import serve, stopped_by_signals
@@ -64,15 +65,16 @@ def _serve(loaded: Loaded, path: Path, endpoint: str | None, *, as_json: bool) -
     def ready(url: str) -> None:
         settle()
         content = content_of(loaded.project)
+        warnings = len(loaded.warnings) + len(programs.warnings)
         if as_json:
-            json_line({"url": url, "project": loaded.project.name, **content, "warnings": len(loaded.warnings)})
+            json_line({"url": url, "project": loaded.project.name, **content, "warnings": warnings})
         else:
             _announce(url, loaded, content)
 
     async def main() -> None:
         stop = asyncio.Event()
         with stopped_by_signals(stop):
-            await serve(loaded, path, SystemClock(), stop, ready, endpoint)
+            await serve(loaded, programs, path, SystemClock(), stop, ready, endpoint)
 
     try:
         asyncio.run(main())

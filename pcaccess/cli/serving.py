@@ -13,6 +13,7 @@ from typing import Final
 
 from pcaccess.clock import Clock
 from pcaccess.gateway.gateway import Gateway
+from pcaccess.gateway.programs import Programs
 from pcaccess.gateway.projectfile import ProjectFile
 from pcaccess.opcua.server import EndpointError, OpcUaServer
 from pcaccess.project.load import Loaded
@@ -25,6 +26,7 @@ _STOP_SIGNALS: Final = ("SIGINT", "SIGTERM", "SIGBREAK")
 
 async def serve(
     loaded: Loaded,
+    programs: Programs,
     path: Path,
     clock: Clock,
     stop: asyncio.Event,
@@ -36,7 +38,7 @@ async def serve(
     Stops in order: clients are disconnected, then the links end, so that what a client wrote still arrives. Raises
     EndpointError when the endpoint cannot be served.
     """
-    gateway = Gateway(loaded.project, clock)
+    gateway = Gateway(loaded.project, clock, programs)
     gateway.show()
     file = ProjectFile(gateway, path, loaded)
     server = OpcUaServer(gateway, endpoint)

@@ -8,9 +8,10 @@ Not here: reading them (``pcaccess.plc.scenario``), the command (``pcaccess.cli.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
+from types import MappingProxyType
 from typing import Any
 from xml.etree import ElementTree as Xml
 
@@ -21,7 +22,7 @@ from pcaccess.plc.interpreter import Interpreter
 from pcaccess.plc.literals import plain_type
 from pcaccess.plc.scenario import Scenario, Step
 from pcaccess.plc.session import Session
-from pcaccess.problems import Span
+from pcaccess.problems import Problem, Span
 from pcaccess.s7200.address import Area
 from pcaccess.s7200.memory import AREA_START
 from pcaccess.s7200.types import Value
@@ -160,16 +161,27 @@ def _shown(value: Value) -> str:
     return f"{value:.9g}" if isinstance(value, float) else str(value)
 
 
-def junit(outcomes: Iterable[Outcome]) -> str:
-    """The outcomes as JUnit XML: one test suite, a test case for each scenario."""
+def junit(outcomes: Iterable[Outcome], unreadable: Mapping[str, Sequence[Problem]] = MappingProxyType({})) -> str:
+    """The outcomes as JUnit XML: one test suite, a test case for each scenario.
+
+    ``unreadable``: files that could not be run, with what is wrong with them.
+    """
     outcomes = list(outcomes)
-    failed = sum(not outcome.passed for outcome in outcomes)
-    suite = Xml.Element("testsuite", name="pcaccess plc scenario", tests=str(len(outcomes)), failures=str(failed))
+    counts = {
+        "tests": len(outcomes) + len(unreadable),
+        "failures": sum(not outcome.passed for outcome in outcomes),
+        "errors": len(unreadable),
+    }
+    suite = Xml.Element("testsuite", {"name": "pcaccess plc scenario", **{k: str(n) for k, n in counts.items()}})
     for outcome in outcomes:
         case = Xml.SubElement(suite, "testcase", name=outcome.file, classname="scenario")
         if outcome.failures:
             text = "\n".join(str(failure) for failure in outcome.failures)
             message = f"{len(outcome.failures)} not as expected"
             Xml.SubElement(case, "failure", message=message).text = text
+    for file, problems in unreadable.items():
+        case = Xml.SubElement(suite, "testcase", name=file, classname="scenario")
+        text = "\n".join(map(str, problems))
+        Xml.SubElement(case, "error", message=f"{len(problems)} problems").text = text
     Xml.indent(suite)
     return '<?xml version="1.0" encoding="utf-8"?>\n' + Xml.tostring(suite, encoding="unicode") + "\n"

@@ -1,0 +1,132 @@
+"""reload and plc status, start, stop, download: a running gateway obeys."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import pytest
+import pytest_asyncio
+
+from pcaccess.cli.serving import serve
+from pcaccess.clock import SystemClock
+from pcaccess.gateway.programs import load_programs
+from pcaccess.project.load import load_project
+from tests.cli.conftest import Command, Outcome, invoke
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+COPY = "ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\nNetwork 1\nLD I0.0\n= Q0.0\nEND_ORGANIZATION_BLOCK\n"
+PROJECT = """
+links:
+  - name: L
+    type: soft
+    plcs:
+      - {name: Runs, address: 2, program: copy.awl, items: [{name: In, address: I0.0, type: BOOL, access: RW}]}
+      - {name: Memory, address: 3, items: [{name: A, address: VW0}]}
+"""
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def served(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[tuple[Path, str]]:
+    """A project folder and the URL where it is served."""
+    folder = tmp_path_factory.mktemp("project")
+    (folder / "copy.awl").write_text(COPY)
+    (folder / "items.yaml").write_text(PROJECT)
+    loaded = load_project(folder / "items.yaml")
+    stop, url = asyncio.Event(), asyncio.get_running_loop().create_future()
+    tasks = asyncio.TaskGroup()
+    await tasks.__aenter__()
+    programs, path, endpoint = load_programs(loaded.project), folder / "items.yaml", "opc.tcp://127.0.0.1:0/test"
+    tasks.create_task(serve(loaded, programs, path, SystemClock(), stop, url.set_result, endpoint))
+    yield folder, await url
+    stop.set()
+    await tasks.__aexit__(None, None, None)
+
+
+@pytest.fixture
+def command(served: tuple[Path, str], monkeypatch: pytest.MonkeyPatch) -> Command:
+    monkeypatch.setenv("PCACCESS_URL", served[1])
+
+    async def run(*arguments: str) -> Outcome:
+        return await asyncio.to_thread(invoke, *arguments)
+
+    return run
+
+
+async def test_status_shows_how_each_plc_is(command: Command) -> None:
+    outcome = await command("plc", "status")
+    assert outcome.code == 0
+    assert outcome.lines[0] == "PLC       Connected  Mode  Scan Time  Errors"
+    assert [line.split()[:3] for line in outcome.lines[1:]] == [["L.Runs", "yes", "RUN"], ["L.Memory", "yes", "STOP"]]
+
+
+async def test_status_of_what_is_no_plc_is_told(command: Command) -> None:
+    outcome = await command("plc", "status", "l.memory", "L.Runs.In", "L.Rums", "--json")
+    assert outcome.code == 1
+    assert json.loads(outcome.out) == [
+        {"id": "L.Memory", "connected": True, "mode": "STOP", "scan_time": 0.0, "errors": 0}
+    ]
+    assert outcome.err.splitlines() == [
+        "pcaccess: L.Runs.In is no PLC",
+        "pcaccess: there is no item L.Rums; did you mean L.Runs?",
+    ]
+
+
+async def test_a_plc_is_stopped_and_started(command: Command) -> None:
+    assert (await command("plc", "stop", "l.runs")).out == "L.Runs: STOP\n"
+    assert (await command("plc", "start", "L.Runs")).out == "L.Runs: RUN\n"
+
+
+@pytest.mark.parametrize(
+    ("plc", "words"), [("L.Memory", "runs no program"), ("L.Nowhere", "there is no item L.Nowhere")]
+)
+async def test_what_has_no_cpu_cannot_be_started(command: Command, plc: str, words: str) -> None:
+    outcome = await command("plc", "start", plc)
+    assert (outcome.code, outcome.out) == (1, "")
+    assert words in outcome.err
+
+
+async def test_a_program_is_downloaded_and_runs(command: Command, served: tuple[Path, str]) -> None:
+    folder, _ = served
+    (folder / "inverse.awl").write_text(COPY.replace("LD I0.0", "LDN I0.0"))
+    outcome = await command("plc", "download", str(folder / "inverse.awl"), "--plc", "L.Runs")
+    assert (outcome.code, outcome.out) == (0, f"L.Runs: {folder / 'inverse.awl'} runs\n")
+    while (await command("read", "2,Q0.0,BOOL", "--json")).out.find('"value": true') < 0:
+        pass
+
+
+async def test_a_program_with_errors_changes_nothing(command: Command, served: tuple[Path, str]) -> None:
+    folder, _ = served
+    (folder / "wrong.awl").write_text(COPY.replace("= Q0.0", "= Q0.9"))
+    outcome = await command("plc", "download", str(folder / "wrong.awl"), "--plc", "L.Runs", "--json")
+    told = json.loads(outcome.out)
+    assert (outcome.code, told["plc"], told["accepted"]) == (1, "L.Runs", False)
+    assert "wrong.awl:5:3" in told["problems"][0]
+
+
+async def test_a_file_that_is_not_there_is_not_downloaded(command: Command) -> None:
+    outcome = await command("plc", "download", "missing.awl", "--plc", "L.Runs")
+    assert outcome.err == "pcaccess: missing.awl cannot be opened: No such file or directory\n"
+
+
+async def test_a_changed_project_is_reloaded(command: Command, served: tuple[Path, str]) -> None:
+    folder, _ = served
+    (folder / "items.yaml").write_text(PROJECT.replace("{name: A,", "{name: B, address: VW2}, {name: A,"))
+    outcome = await command("reload")
+    assert (outcome.code, outcome.out) == (0, "1 items added, 0 changed, 0 removed\n")
+    assert (await command("read", "L.Memory.B")).code == 0
+
+
+async def test_a_broken_project_is_not_and_says_why(command: Command, served: tuple[Path, str]) -> None:
+    folder, _ = served
+    good = (folder / "items.yaml").read_text()
+    (folder / "items.yaml").write_text(good.replace("VW0", "VX"))
+    outcome = await command("reload")
+    told = await command("reload", "--json")
+    (folder / "items.yaml").write_text(good)
+    assert (outcome.code, outcome.out) == (1, "")
+    assert "items.yaml:7:" in outcome.err
+    assert json.loads(told.out)["applied"] is False
