@@ -17,8 +17,8 @@ from pcaccess.items.quality import Quality, from_status
 from pcaccess.opcua.server import OpcUaServer
 from pcaccess.project.load import load_text
 
-PATIENCE: Final = 10.0
-"""Seconds that only a failing test waits."""
+PATIENCE: Final = 40.0
+"""Seconds that only a failing test waits; a machine with other work to do needs some of them."""
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ class RunningGateway:
 
     @asynccontextmanager
     async def client(self) -> AsyncIterator[ScriptedClient]:
-        async with Client(self.url) as client:
+        async with Client(self.url, timeout=PATIENCE, watchdog_intervall=PATIENCE) as client:
             yield ScriptedClient(client)
 
     def cut(self, station: str) -> None:

@@ -230,7 +230,8 @@ Child = ua.ReferenceDescription
 async def connect(url: str, patience: float = PATIENCE) -> AsyncIterator[Remote]:
     """A session for the time of the block; ``patience`` in seconds bounds every answer."""
     logging.getLogger("asyncua").setLevel(logging.CRITICAL + 1)  # what it has to say, Failed says
-    client = Client(url, timeout=patience)
+    # asyncua gives a server that is busy with a large answer one second to say that it is alive.
+    client = Client(url, timeout=patience, watchdog_intervall=patience)
     client.name = client.description = "pcaccess"
     client.application_uri = "urn:pcaccess:client"
     try:

@@ -311,5 +311,5 @@ async def test_ten_thousand_items_are_browsed_watched_written_and_read() -> None
         for start in range(0, len(nodes), 1000):
             values += await client.opc.read_values(nodes[start : start + 1000])
         assert values == list(wanted.values())
-        await asyncio.wait_for(awaited.done.wait(), PATIENCE * 3)
+        await asyncio.wait_for(awaited.done.wait(), PATIENCE)
         assert awaited.missing == {}
