@@ -64,7 +64,7 @@ class ScanningPlc:
         """Take a changed entry, and a changed program between two scans; memory and mode stay."""
         self.plc = plc
         if program != self._program:
-            self.cpu.load(program)
+            self.cpu.load(program, keep_memory=True)
             self._program = program
             log.info("%s: program %s taken over", plc.item_id, program.file)
 

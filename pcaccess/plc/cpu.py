@@ -96,6 +96,8 @@ class Cpu:
         self._writes: list[_Write] = []
         self._switched_on = now
         self._powered_up = True
+        self._new_edges = True
+        """The next scan only looks at what edges compare with."""
         self._last_start: float | None = None
         self._shortest, self._longest = 0xFFFF, 0
         self._first_values()
@@ -110,14 +112,20 @@ class Cpu:
 
     # the program
 
-    def load(self, program: Program) -> None:
-        """Take a checked program and put its data block into V memory; the mode stays as it is."""
+    def load(self, program: Program, *, keep_memory: bool = False) -> None:
+        """Take a checked program and put its data block into V memory, unless ``keep_memory``.
+
+        The mode stays as it is: in RUN the next scan runs the new program. Its edges take over the state they
+        find, as in a first scan; a program that cannot be lowered or compiled changes nothing.
+        """
         module = lower(program, self.model)
         executor = self._make_executor(module, self.runtime)
         self.module = module
         self.runtime.load(module, executor)
-        start = AREA_START[Area.V]
-        program.data.write_to(memoryview(self.memory)[start : start + self.model.sizes[Area.V]])
+        if not keep_memory:
+            start = AREA_START[Area.V]
+            program.data.write_to(memoryview(self.memory)[start : start + self.model.sizes[Area.V]])
+        self._new_edges = True
         self.executor_name = executor.name
         self._executor = executor
 
@@ -248,7 +256,8 @@ class Cpu:
         self.scans += 1
         first = self.scans == 1
         last = now if self._last_start is None else self._last_start
-        m[layout.FIRST_SCAN] = int(first)
+        m[layout.FIRST_SCAN] = int(first or self._new_edges)
+        self._new_edges = False
         ticks_100 = whole(now) // 100 - whole(last) // 100
         m[layout.TICKS_100 : layout.TICKS_100 + 4] = max(0, ticks_100).to_bytes(4, "big")
         advance_10_ms(m, max(0, whole(now) // 10 - whole(last) // 10))

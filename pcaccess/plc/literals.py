@@ -119,6 +119,13 @@ class Expectation:
             return actual == self.value
         return not isinstance(actual, str) and self.low <= actual <= self.high
 
+    def as_json(self) -> Value | dict[str, float]:
+        """The value expected, or its limits."""
+        if self.value is not None:
+            return self.value
+        limits = {"min": self.low, "max": self.high}
+        return {name: limit for name, limit in limits.items() if math.isfinite(limit)}
+
 
 def exactly(target: Target, text: str, quoted: bool) -> Expectation:
     """``VW10: -5``"""

@@ -79,7 +79,8 @@ class CpuRuntime:
         self._periods.clear()
         self.errors.clear()
         self.stop_requested = False
-        self.now, self._counted = now, whole(now)
+        self.now = now
+        self._count(whole(now))
         self._set_sm(RUN_TIME_PROBLEM, False)
         self._set_sm(INTERRUPTS_ENABLED, False)
 
@@ -99,14 +100,18 @@ class CpuRuntime:
         self.now = max(self.now, now)
         passed = whole(self.now) - self._counted
         if passed > 0:
-            begin, self._counted = self._counted, self._counted + passed
-            counter = self._counted & 0xFFFF_FFFF
-            self.memory[layout.MILLISECONDS : layout.MILLISECONDS + 4] = counter.to_bytes(4, "big")
+            begin = self._counted
+            self._count(begin + passed)
             reached = advance_1_ms(self.memory, passed)
             due = [(begin + after, event) for n, after in reached if (event := _TIMER_EVENTS.get(n)) is not None]
             for _, event in sorted(due + self._timed_events()):
                 self.raise_event(event)
         self.update_attention()
+
+    def _count(self, milliseconds: int) -> None:
+        self._counted = milliseconds
+        counter = milliseconds & 0xFFFF_FFFF
+        self.memory[layout.MILLISECONDS : layout.MILLISECONDS + 4] = counter.to_bytes(4, "big")
 
     def _timed_events(self) -> list[tuple[int, int]]:
         due = []

@@ -39,13 +39,16 @@ class Failure:
     expected: str
     actual: str
     span: Span
+    wanted: Any = None
+    """``expected`` for programs: a number, a text, or ``{"min": ..., "max": ...}``."""
+    found: Any = None
 
     def __str__(self) -> str:
         """``crossing.yaml:12:5: at 1700ms: Q0.2 is 0, expected 1``"""
         return f"{self.span}: at {self.at}: {self.address} is {self.actual}, expected {self.expected}"
 
     def as_json(self) -> dict[str, Any]:
-        return {"at": self.at, "address": self.address, "expected": self.expected, "actual": self.actual}
+        return {"at": self.at, "address": self.address, "expected": self.wanted, "actual": self.found}
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,27 +135,34 @@ class _Run:
         for expectation in step.expectations:
             actual = cpu.read(expectation.target.address, expectation.type)
             if not expectation.holds(actual):
-                self._fail(step, expectation.target.text, expectation.shown, _shown(actual))
+                shown = (expectation.shown, _shown(actual))
+                self._fail(step, expectation.target.text, *shown, expectation.as_json(), _plain(actual))
         if step.mode is not None and cpu.mode is not step.mode:
-            self._fail(step, "mode", step.mode.value, cpu.mode.value)
+            self._fail(step, "mode", step.mode.value, cpu.mode.value, step.mode.value, cpu.mode.value)
         happened = [str(record.code) for record in cpu.errors]
         for code in step.errors:
             if code not in happened:
-                self._fail(step, "error", code, ", ".join(happened) or "none")
+                self._fail(step, "error", code, ", ".join(happened) or "none", code, happened)
 
-    def _fail(self, step: Step, address: str, expected: str, actual: str) -> None:
-        self.failures.append(Failure(step.text, address, expected, actual, step.span))
+    def _fail(self, step: Step, address: str, expected: str, actual: str, wanted: Any, found: Any) -> None:
+        self.failures.append(Failure(step.text, address, expected, actual, step.span, wanted, found))
 
     def _unexpected_stop(self, unexpected: tuple[ErrorRecord, ...]) -> None:
         for record in unexpected:
             if record.is_fatal:
                 last = self.scenario.steps[-1] if self.scenario.steps else None
                 span = last.span if last else Span(self.scenario.file, 1, 1)
-                self.failures.append(Failure(f"{record.first:g}ms", "error", "none", str(record), span))
+                self.failures.append(
+                    Failure(f"{record.first:g}ms", "error", "none", str(record), span, None, str(record.code))
+                )
 
     def _values(self) -> dict[str, Value]:
         cpu = self.session.cpu
-        return {t.text: cpu.read(t.address, plain_type(t)) for t in self.scenario.trace}
+        return {t.text: _plain(cpu.read(t.address, plain_type(t))) for t in self.scenario.trace}
+
+
+def _plain(value: Value) -> Value:
+    return int(value) if isinstance(value, bool) else value
 
 
 def _shown(value: Value) -> str:

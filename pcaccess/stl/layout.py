@@ -31,7 +31,7 @@ LOGIC_STACK: Final = PHYSICAL_OUTPUTS + 16
 ENO: Final = LOGIC_STACK + 2
 """Byte: ENO when OB1 ended."""
 FIRST_SCAN: Final = ENO + 1
-"""Byte: 1 during the first scan after the change to RUN."""
+"""Byte: 1 while edges only take over the state: in the first scan after the change to RUN or to a new program."""
 ATTENTION: Final = FIRST_SCAN + 1
 """Byte: not 0 when a poll has something to do."""
 CALL_DEPTH: Final = ATTENTION + 1

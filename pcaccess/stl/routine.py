@@ -284,6 +284,7 @@ class Routine(Builder):
         self._spill()
         self.branch(condition, enter, after)
         self.start(enter)
+        self.eno(True)
         self.store(index, first)
         self.branch(self.le(first, final()), body, after)
         self._join(body)

@@ -302,6 +302,32 @@ def test_a_new_program_keeps_memory_and_mode(bench: MakeBench) -> None:
     assert (plc.word("VW0"), plc.cpu.mode) == (11, Mode.RUN)
 
 
+def test_edges_of_a_new_program_do_not_see_those_of_the_old_one(bench: MakeBench) -> None:
+    plc = bench("LDN SM0.0\nEU\n= Q0.0\n")
+    plc.scan()
+    plc.cpu.load(program("LD SM0.0\nEU\nINCW VW0\n"))
+    for _ in range(3):
+        plc.scan(after=10)
+    assert plc.word("VW0") == 0
+
+
+def test_a_program_exchanged_with_memory_kept_does_not_write_its_data_block() -> None:
+    row = DataRow(10, b"\x00\x05", "VW10 5", Span("test.db", 1, 1))
+    cpu = Cpu(cpu_model("CPU 224"), program(COUNT))
+    with_data = replace(program(COUNT), data=DataBlock((row,)))
+    cpu.load(with_data, keep_memory=True)
+    assert cpu.read(parse_address("VW10"), INT) == 0
+    cpu.load(with_data)
+    assert cpu.read(parse_address("VW10"), INT) == 5
+
+
+def test_the_millisecond_counter_is_right_in_the_first_scan() -> None:
+    cpu = Cpu(cpu_model("CPU 224"), program("LD SM0.0\nBITIM VD0\n"))
+    cpu.run(5000.0)
+    cpu.scan(5000.0)
+    assert cpu.read(parse_address("VD0"), DataType.DINT) == 5000
+
+
 def test_a_cpu_lives_in_the_memory_it_is_given() -> None:
     memory = bytearray(layout.BUFFER_SIZE)
     assert Cpu(cpu_model(), memory=memory).memory is memory

@@ -49,8 +49,14 @@ def test_a_failure_says_where_when_what(folder: Path) -> None:
     assert outcome.as_json() == {
         "file": "test.yaml",
         "passed": False,
-        "failures": [{"at": "100ms", "address": "Q0.0", "expected": "1", "actual": "0"}],
+        "failures": [{"at": "100ms", "address": "Q0.0", "expected": 1, "actual": 0}],
     }
+
+
+def test_limits_are_told_as_limits(folder: Path) -> None:
+    outcome = run(folder, "  - {at: 0ms, expect: {VW0: {min: 5}, VD8: {near: 1.5, tol: 0.5}, mode: STOP}}")
+    found = [(failure["expected"], failure["actual"]) for failure in outcome.as_json()["failures"]]
+    assert found == [({"min": 5.0}, 1), ({"min": 1.0, "max": 2.0}, 0.0), ("STOP", "RUN")]
 
 
 def test_steps_run_in_the_order_of_their_times(folder: Path) -> None:
@@ -157,8 +163,8 @@ def test_other_errors_are_told_and_do_not_fail(folder: Path) -> None:
 def test_the_trace_has_the_values_after_every_step(folder: Path) -> None:
     outcome = run(folder, "  - {at: 0ms}\n  - {at: 1s, set: {I0.0: 1}}\n", trace="[Q0.0, VW0]")
     assert outcome.as_json()["trace"] == [
-        {"at": "0ms", "values": {"Q0.0": False, "VW0": 1}},
-        {"at": "1s", "values": {"Q0.0": True, "VW0": 101}},
+        {"at": "0ms", "values": {"Q0.0": 0, "VW0": 1}},
+        {"at": "1s", "values": {"Q0.0": 1, "VW0": 101}},
     ]
 
 
