@@ -3,7 +3,7 @@
 A scan: client writes are applied, inputs are read into the process image, the program runs, outputs are written.
 In STOP only the first two happen. ``memory`` is one buffer (``pcaccess.s7200.memory``, ``pcaccess.stl.layout``).
 
-Units:    times are milliseconds on any clock that does not go back; fractions are allowed.
+Units:    times are milliseconds; fractions are allowed. A clock that goes back stands still for the CPU.
 Errors:   what goes wrong in the program is in ``errors``; a fatal one puts the CPU to STOP and is ``fatal``.
 Source:   document 000, "The scan cycle" and appendix C (SM memory); document 003, section 2.2; choices in
           docs/decisions/2026-11-22-cpu.md.
@@ -233,7 +233,11 @@ class Cpu:
     # the scan
 
     def scan(self, now: float, *, load: float = 0.0) -> None:
-        """One cycle, begun at ``now``. ``load``: how long the program takes, spread over its networks."""
+        """One cycle, begun at ``now`` (or with the one before, if that was later).
+
+        ``load``: how long the program takes, spread over its networks.
+        """
+        now = now if self._last_start is None else max(now, self._last_start)
         self.apply_writes()
         self.memory[_INPUTS] = bytes(self.memory[_PHYSICAL_INPUTS])
         if self.mode is Mode.STOP or self.module is None:

@@ -331,3 +331,10 @@ def test_the_millisecond_counter_is_right_in_the_first_scan() -> None:
 def test_a_cpu_lives_in_the_memory_it_is_given() -> None:
     memory = bytearray(layout.BUFFER_SIZE)
     assert Cpu(cpu_model(), memory=memory).memory is memory
+
+
+def test_a_clock_that_goes_back_stands_still(bench: MakeBench) -> None:
+    plc = bench("LD SM0.0\nTON T37, 100\nBITIM VD0\n")
+    for now in (0.0, 1000.0, 200.0, 1100.0):
+        plc.cpu.scan(now)
+    assert (plc.word("T37"), plc.word("VW2"), plc.word("SMW24")) == (11, 1100, 0)
