@@ -13,9 +13,10 @@ from asyncua import Client, ua
 
 from pcaccess.clock import Clock, SystemClock
 from pcaccess.gateway.gateway import Gateway
+from pcaccess.gateway.reload import apply_project
 from pcaccess.items.quality import Quality, from_status
 from pcaccess.opcua.server import OpcUaServer
-from pcaccess.project.load import load_text
+from pcaccess.project.load import load_project, load_text
 
 PATIENCE: Final = 40.0
 """Seconds that only a failing test waits; a machine with other work to do needs some of them."""
@@ -82,10 +83,27 @@ class ScriptedClient:
 
     async def write(self, name: str, value: Any, kind: ua.VariantType) -> int:
         """Write and give the StatusCode."""
-        written = ua.DataValue(ua.Variant(value, kind))
+        written = ua.DataValue(ua.Variant(value, kind, is_array=isinstance(value, list)))
         params = ua.WriteParameters([ua.WriteValue(self.node(name).nodeid, ua.AttributeIds.Value, None, written)])
         (status,) = await self.opc.uaclient.write(params)
         return status.value
+
+    async def value(self, name: str) -> Any:
+        return (await self.read(name)).value
+
+    async def status(self, name: str) -> str:
+        """Name of the StatusCode of a read."""
+        code = (await self.read_value(name)).StatusCode
+        return code.name if code is not None else "Good"
+
+    async def put(self, name: str, value: Any, kind: ua.VariantType | None = None) -> str:
+        """Write, as the node's own type unless another is given, and give the StatusCode's name."""
+        if kind is None:
+            kind = await self.node(name).read_data_type_as_variant_type()
+        return ua.StatusCode(ua.UInt32(await self.write(name, value, kind))).name
+
+    async def call(self, owner: str, method: str, *arguments: Any) -> Any:
+        return await self.node(owner).call_method(self.node(method).nodeid, *arguments)
 
     async def subscribe(self, name: str, interval: float = 100) -> Changes:
         """Changes of a node, published every ``interval`` milliseconds."""
@@ -109,6 +127,14 @@ class RunningGateway:
         async with Client(self.url, timeout=PATIENCE, watchdog_intervall=PATIENCE) as client:
             yield ScriptedClient(client)
 
+    def reload(self, text: str) -> None:
+        """Apply another project text."""
+        apply_project(self.gateway, load_text(text).project)
+
+    def reload_file(self, path: Path) -> None:
+        """Apply a project file that was saved."""
+        apply_project(self.gateway, load_project(path).project)
+
     def cut(self, station: str) -> None:
         """The PLC ``Link.PLC`` is lost."""
         self.gateway.lost(station, Quality.NOT_CONNECTED)
@@ -119,10 +145,11 @@ StartGateway = Callable[..., AbstractAsyncContextManager[RunningGateway]]
 
 @asynccontextmanager
 async def start_gateway(
-    text: str, clock: Clock | None = None, base: Path | None = None, port: int = 0
+    project: str | Path, clock: Clock | None = None, base: Path | None = None, port: int = 0
 ) -> AsyncIterator[RunningGateway]:
-    """Serve a project text until the block ends. Tasks end with it; a fault of theirs fails the test."""
-    gateway = Gateway(load_text(text, base=base).project, clock or SystemClock())
+    """Serve a project (a text or a file) until the block ends. Tasks end with it; a fault of theirs fails the test."""
+    loaded = load_project(project) if isinstance(project, Path) else load_text(project, base=base)
+    gateway = Gateway(loaded.project, clock or SystemClock())
     gateway.show()
     server = OpcUaServer(gateway, f"opc.tcp://127.0.0.1:{port}/test")
     await server.start()

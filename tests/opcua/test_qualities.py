@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from pcaccess.items.quality import Limit, Quality, from_status
-from tests.running import running_gateway
+from tests.gateways import start_gateway
 
 _SIM = "\n".join(
     f'          - {{name: {q.name}, address: "QUALITY({q.code}, 7)", type: INT}}\n'
@@ -25,10 +25,10 @@ links:
 
 
 async def test_each_quality_arrives_with_its_value_status_and_code() -> None:
-    async with running_gateway(PROJECT) as running, running.client() as client:
+    async with start_gateway(PROJECT) as running, running.client() as client:
         for quality in Quality:
             for name, limit in ((quality.name, Limit.NONE), (f"{quality.name}_LOW", Limit.LOW)):
-                read = await client.read(f"ns=2;s=Sim.D.{name}")
+                read = await client.read_value(f"ns=2;s=Sim.D.{name}")
                 assert read.StatusCode is not None
                 assert read.StatusCode.value == quality.status(limit)
                 assert read.Value is not None, "a bad status keeps the value"
@@ -38,12 +38,11 @@ async def test_each_quality_arrives_with_its_value_status_and_code() -> None:
 
 
 async def test_a_subscription_reports_each_quality() -> None:
-    async with running_gateway(PROJECT) as running, running.client() as client:
+    async with start_gateway(PROJECT) as running, running.client() as client:
         for quality in Quality:
             changes = await client.subscribe(f"ns=2;s=Sim.D.{quality.name}")
-            value, reported = await changes.next()
-            assert value == 7
-            assert reported.status() == quality.status()
+            reported = await changes.next()
+            assert (reported.value, reported.quality.status()) == (7, quality.status())
 
 
 @pytest.mark.parametrize("quality", Quality)
