@@ -11,7 +11,9 @@ from types import MappingProxyType
 from typing import Final
 
 from pcaccess.problems import Span
+from pcaccess.s7200.address import Area
 from pcaccess.s7200.cpu import CpuModel
+from pcaccess.s7200.types import DataType
 from pcaccess.stl.check_operands import OperandChecker
 from pcaccess.stl.define import In, InOut, OperandSpec, Out
 from pcaccess.stl.problems import Collector
@@ -105,8 +107,10 @@ def _specs(target: Pou) -> tuple[OperandSpec, ...]:
 
 
 def _spec(variable: Variable) -> OperandSpec:
-    if variable.section is Section.IN and variable.data_type.name == "DWORD":
+    if variable.section is Section.IN and variable.data_type is DataType.DWORD:
         return In(variable.name, variable.data_type, address_of=True)
+    if variable.data_type is DataType.STRING:  # passed as a pointer, and a constant has no address
+        return In(variable.name, variable.data_type, constant=False, areas=frozenset({Area.V}))
     return _MAKERS[variable.section](variable.name, variable.data_type)
 
 

@@ -265,7 +265,9 @@ class PouBuilder(Routine):
         for n, (variable, operand) in enumerate(pairs):
             if variable.section is not Section.OUT:
                 spec = _parameter_spec(variable)
-                if isinstance(operand, Constant | AddressOf):
+                if variable.data_type is DataType.STRING:
+                    value = self._pointer_value(operand, targets.get(n))
+                elif isinstance(operand, Constant | AddressOf):
                     value = self._constant(spec, operand)
                 else:
                     assert isinstance(operand, Direct | Indirect)
@@ -287,6 +289,14 @@ class PouBuilder(Routine):
                 self.store(self.place_of(operand, variable.data_type, targets.get(n)), value)
         self.eno(True)
         self.emit(ir.Poll(-1))
+
+    def _pointer_value(self, operand: Operand, target: Target | None) -> Value:
+        """The pointer that a STRING parameter takes."""
+        if isinstance(operand, Indirect):
+            assert target is not None
+            return target[1]
+        assert isinstance(operand, Direct)
+        return self.const(IrType.U32, pointer_to(operand.address))
 
 
 def _pair(definition: Definition, operands: tuple[Operand, ...]) -> Iterator[tuple[OperandSpec, Any]]:
@@ -317,5 +327,6 @@ def _parameter_spec(variable: Variable) -> OperandSpec:
 
 
 def _local(variable: Variable) -> Place:
-    at, bit = locate(variable.address.as_type(variable.data_type))
-    return Place(variable.data_type, at, bit, Area.L, variable.address.offset)
+    kind = DataType.DWORD if variable.data_type is DataType.STRING else variable.data_type  # a pointer to the text
+    at, bit = locate(variable.address.as_type(kind))
+    return Place(kind, at, bit, Area.L, variable.address.offset)

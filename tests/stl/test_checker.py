@@ -405,10 +405,12 @@ def test_a_wrong_parameter_is_named() -> None:
     assert problem.message == "parameter Raw (IN) of SBR_0 must be an INT; VB0 is a byte"
 
 
-def test_a_string_parameter_takes_a_text_or_where_it_lies() -> None:
+def test_a_string_parameter_takes_where_a_text_lies() -> None:
     text = subroutine(0, "LD SM0.0\nSCPY #Text, VB0", variables="VAR_INPUT\nText:STRING;\nEND_VAR\n")
-    assert found(main('LD SM0.0\nCALL SBR_0, "abc"\nCALL SBR_0, VB20') + text) == []
+    assert found(main("LD SM0.0\nCALL SBR_0, VB20\nCALL SBR_0, *AC1") + text) == []
     assert found(main("LD SM0.0\nCALL SBR_0, VD20") + text) == ["6:13 STL082"]
+    assert found(main("LD SM0.0\nCALL SBR_0, LB20") + text) == ["6:13 STL022"]
+    assert found(main('LD SM0.0\nCALL SBR_0, "abc"') + text) == ["6:13 STL026"]
 
 
 def test_targets_of_call_and_atch_must_exist() -> None:
