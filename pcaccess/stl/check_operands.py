@@ -4,7 +4,7 @@ As strict as Micro/WIN's compiler in SIMATIC mode: sizes must match (``VB10`` is
 size and mix; ``&`` is a double word; a bit cannot be addressed indirectly.
 
 Source:   System Manual, operand tables of the instructions, "Indirect addressing" and "Constants";
-          docs/decisions/2026-10-04-stl-operand-checks.md for what they leave open.
+          docs/decisions/2026-11-22-stl-checks.md for what they leave open.
 """
 
 from __future__ import annotations
