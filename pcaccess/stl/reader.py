@@ -77,8 +77,8 @@ def read_program(
 ) -> ReadResult:
     """Read a program from a file or from its bytes.
 
-    ``file``: the name for messages. ``encoding``: forces a Python codec instead of detection. ``symbols`` and
-    ``data_block``: instead of those beside or inside the file.
+    ``file``: the name for messages. ``encoding``: forces a Python codec instead of detection, also for the
+    files beside. ``symbols`` and ``data_block``: instead of those beside or inside the file.
     """
     name = file or (str(data) if isinstance(data, Path) else "program.awl")
     problems = Collector(name)
@@ -103,9 +103,9 @@ def read_program(
         return ReadResult(None, (_no_program(lines, name, hopeless),), decoded.text)
     further: list[Problem] = []
     if symbols is None:
-        symbols = _symbols(data, raw_file, problems, decoded.encoding, further)
+        symbols = _symbols(data, raw_file, problems, decoded.encoding, encoding, further)
     if data_block is None:
-        data_block = _data_block(data, raw_file, problems, decoded.encoding, symbols, further)
+        data_block = _data_block(data, raw_file, problems, decoded.encoding, encoding, symbols, further)
     pous = _pous(raw_file, problems, symbols, decoded.encoding)
     program = Program(pous, symbols, data_block, name, decoded.encoding)
     return ReadResult(program, _sorted([*problems.problems, *further]), decoded.text, problems.left_out)
@@ -154,13 +154,18 @@ def _beside(data: bytes | Path, suffixes: Sequence[str]) -> Path | None:
 
 
 def _symbols(
-    data: bytes | Path, raw: RawFile, problems: Collector, encoding: str, further: list[Problem]
+    data: bytes | Path,
+    raw: RawFile,
+    problems: Collector,
+    encoding: str,
+    forced: str | None,
+    further: list[Problem],
 ) -> SymbolTable:
     path = _beside(data, SYMBOL_SUFFIXES)
     inside = parse_symbols(raw.symbols, problems, encoding)
     if path is None or raw.symbols:
         return inside
-    table, found = read_symbols(path)
+    table, found = read_symbols(path, encoding=forced)
     further += found
     return table
 
@@ -170,6 +175,7 @@ def _data_block(
     raw: RawFile,
     problems: Collector,
     encoding: str,
+    forced: str | None,
     symbols: SymbolTable,
     further: list[Problem],
 ) -> DataBlock:
@@ -177,7 +183,7 @@ def _data_block(
     inside = parse_data_block(raw.data, problems, encoding, symbols)
     if path is None or raw.data:
         return inside
-    block, found = read_data_block(path, symbols=symbols)
+    block, found = read_data_block(path, symbols=symbols, encoding=forced)
     further += found
     return block
 

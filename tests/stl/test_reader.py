@@ -241,3 +241,10 @@ def test_an_encoding_can_be_forced() -> None:
     data = "LD I0.0 // Größe\n= Q0.0".encode("cp1252")
     result = read_program(data, encoding="cp1251")
     assert result.unwrap().main.networks[0].instructions[0].comment == "GrцЯe"
+
+
+def test_a_forced_encoding_is_that_of_the_files_beside_too(tmp_path: Path) -> None:
+    (tmp_path / "p.awl").write_bytes("LD Größe\n= Q0.0".encode("cp1252"))
+    (tmp_path / "p.sym").write_bytes("Größe\tI0.0".encode("cp1252"))
+    program = read_program(tmp_path / "p.awl", encoding="cp1251").unwrap()
+    assert program.symbols.names() == ["GrцЯe"]
