@@ -42,6 +42,6 @@ async def download(gateway: Gateway, plc: str, data: bytes, name: str) -> Downlo
     result = await asyncio.to_thread(load_program, data, station.plc.cpu, file=name)
     if not result.ok:
         return Downloaded(False, result.problems)
-    cpu.configure(station.plc, result.unwrap())
+    await cpu.exchange(result.unwrap())
     log.info("%s: program %s downloaded", plc, name)
     return Downloaded(True, result.problems)

@@ -9,13 +9,14 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Final
 
 from pcaccess.clock import Clock
 from pcaccess.items.quality import Quality
 from pcaccess.links.base import Outcome, PlcStatus, RawWrite, Sink
 from pcaccess.plc.compiler import make_executor
-from pcaccess.plc.cpu import Cpu, Mode
+from pcaccess.plc.cpu import Cpu, Mode, Prepared
 from pcaccess.project.model import Plc
 from pcaccess.s7200.memory import MEMORY_SIZE
 from pcaccess.stl.program import Program
@@ -26,6 +27,14 @@ SHORTEST_PAUSE: Final = 0.001
 """Seconds left to everything else in this process after each scan of a free-running PLC."""
 WATCHDOG: Final = 0.5
 """Seconds that a scan may take (System Manual, Watchdog Reset: 500 ms in newer CPUs)."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Exchange:
+    """A program on its way in."""
+
+    prepared: asyncio.Future[Prepared]
+    taken: asyncio.Future[None]
 
 
 class ScanningPlc:
@@ -41,6 +50,7 @@ class ScanningPlc:
         self._told = 0
         self._stopped_by_fault = False
         self._answers: list[asyncio.Future[Outcome]] = []
+        self._exchange: _Exchange | None = None
         self.cpu = Cpu(
             plc.cpu,
             program,
@@ -61,12 +71,38 @@ class ScanningPlc:
         return self._clock.monotonic() - self._scan_began < WATCHDOG
 
     def configure(self, plc: Plc, program: Program) -> None:
-        """Take a changed entry, and a changed program between two scans; memory and mode stay."""
+        """Take a changed entry at once, and a changed program as soon as it is compiled."""
         self.plc = plc
         if program != self._program:
-            self.cpu.load(program, keep_memory=True)
-            self._program = program
-            log.info("%s: program %s taken over", plc.item_id, program.file)
+            self.exchange(program)
+
+    def exchange(self, program: Program) -> asyncio.Future[None]:
+        """Compile a program beside the one that runs, in a thread, and take it between two scans.
+
+        Memory, outputs and mode stay. The future is done when the first scan of the new program is over; a later
+        exchange that overtakes this one cancels it.
+        """
+        loop = asyncio.get_running_loop()
+        if self._exchange is not None:
+            self._exchange.taken.cancel()
+        self._program = program
+        self._exchange = _Exchange(loop.run_in_executor(None, self.cpu.prepare, program), loop.create_future())
+        return self._exchange.taken
+
+    def _take_exchange(self) -> asyncio.Future[None] | None:
+        """Between two scans: the new program, when it is ready."""
+        if self._exchange is None or not self._exchange.prepared.done():
+            return None
+        exchange, self._exchange = self._exchange, None
+        error = exchange.prepared.exception()
+        if error is not None:  # a checked program that cannot be compiled is our own mistake
+            log.error("%s goes on with its old program", self.plc.item_id, exc_info=error)
+            exchange.taken.cancel()
+            return None
+        prepared = exchange.prepared.result()
+        self.cpu.take(prepared, keep_memory=True)
+        log.info("%s: program %s taken over", self.plc.item_id, prepared.program.file)
+        return exchange.taken
 
     def status(self) -> PlcStatus:
         return PlcStatus(self.cpu.mode.value, self._scan_took * 1000, len(self.cpu.errors))
@@ -107,15 +143,20 @@ class ScanningPlc:
             self._sink.lost(self.plc.item_id, Quality.DEVICE_FAILURE)
         finally:
             self._answer(Outcome.DEVICE_FAILURE)
+            if self._exchange is not None:
+                self._exchange.taken.cancel()
 
     def scan(self) -> None:
         """One scan, and everything that follows from it."""
+        taken = self._take_exchange()
         self._scan_began = self._clock.monotonic()
         self.cpu.scan(self._milliseconds())
         self._scan_took = self._clock.monotonic() - self._scan_began
         if self.plc.connected:
             self._sink.received(self.plc.item_id, memoryview(self.cpu.memory)[:MEMORY_SIZE])
         self._answer(Outcome.DONE)
+        if taken is not None and not taken.done():
+            taken.set_result(None)
         self._tell_errors()
 
     def _answer(self, outcome: Outcome) -> None:

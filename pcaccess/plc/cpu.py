@@ -17,7 +17,7 @@ from enum import Enum
 from typing import Final
 
 from pcaccess.plc.errorlog import ErrorRecord
-from pcaccess.plc.executor import MakeExecutor
+from pcaccess.plc.executor import Executor, MakeExecutor
 from pcaccess.plc.frames import unwind_to
 from pcaccess.plc.interpreter import Interpreter
 from pcaccess.plc.interrupts import INPUT_EVENTS
@@ -58,6 +58,15 @@ class _Write:
     address: Address
     type: DataType
     raw: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Prepared:
+    """A program that a CPU can take at once."""
+
+    program: Program
+    module: Module
+    executor: Executor
 
 
 class Cpu:
@@ -118,16 +127,23 @@ class Cpu:
         The mode stays as it is: in RUN the next scan runs the new program. Its edges take over the state they
         find, as in a first scan; a program that cannot be lowered or compiled changes nothing.
         """
+        self.take(self.prepare(program), keep_memory=keep_memory)
+
+    def prepare(self, program: Program) -> Prepared:
+        """Lower and compile a program without touching the one that runs; may be done in another thread."""
         module = lower(program, self.model)
-        executor = self._make_executor(module, self.runtime)
-        self.module = module
-        self.runtime.load(module, executor)
+        return Prepared(program, module, self._make_executor(module, self.runtime))
+
+    def take(self, prepared: Prepared, *, keep_memory: bool = False) -> None:
+        """Run what was prepared from the next scan on; see :meth:`load`."""
+        self.module = prepared.module
+        self.runtime.load(prepared.module, prepared.executor)
         if not keep_memory:
             start = AREA_START[Area.V]
-            program.data.write_to(memoryview(self.memory)[start : start + self.model.sizes[Area.V]])
+            prepared.program.data.write_to(memoryview(self.memory)[start : start + self.model.sizes[Area.V]])
         self._new_edges = True
-        self.executor_name = executor.name
-        self._executor = executor
+        self.executor_name = prepared.executor.name
+        self._executor = prepared.executor
 
     def run(self, now: float) -> None:
         """STOP to RUN. Without a program the CPU stays in STOP; in RUN nothing happens.
