@@ -63,6 +63,10 @@ class DynamicNames:
         if row in self._used:
             self._used[row] = self._gateway.now()
 
+    def __contains__(self, row: int) -> bool:
+        """Whether the row is a dynamic item's."""
+        return row in self._used
+
     def __len__(self) -> int:
         return len(self._used)
 

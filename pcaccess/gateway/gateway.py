@@ -12,7 +12,6 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import Callable, Iterable, Sequence
-from itertools import groupby
 from types import MappingProxyType
 
 from pcaccess.clock import Clock
@@ -34,6 +33,9 @@ from pcaccess.links.soft import SoftLink
 from pcaccess.project.model import Item, Link, LinkType, Plc, Project
 
 log = logging.getLogger(__name__)
+
+_Batches = dict[str, dict[int, RawWrite]]
+"""By PLC: writes by their place in the request."""
 
 
 class Gateway:
@@ -204,23 +206,31 @@ class Gateway:
 
         Writes to one PLC reach it in one batch; different PLCs are written at the same time.
         """
+        outcomes, batches = self._batches(writes)
+        answers = await asyncio.gather(
+            *(self._stations[name].link.write(name, list(batch.values())) for name, batch in batches.items())
+        )
+        return _merged(outcomes, batches, answers)
+
+    def write_now(self, writes: Sequence[tuple[int, ItemValue]]) -> list[Outcome] | None:
+        """As :meth:`write`, where every PLC takes its values at once; None, with nothing done, where one does not."""
+        if not all(station.link.is_prompt(station.name) for station in {self.station(row) for row, _ in writes}):
+            return None
+        outcomes, batches = self._batches(writes)
+        answers = [self._stations[name].link.write_now(name, list(batch.values())) for name, batch in batches.items()]
+        return _merged(outcomes, batches, answers)
+
+    def _batches(self, writes: Sequence[tuple[int, ItemValue]]) -> tuple[list[Outcome | None], _Batches]:
+        """What each PLC is to take, by place in the request, and what is refused before it gets there."""
         outcomes: list[Outcome | None] = [None] * len(writes)
-        raw: list[tuple[str, int, RawWrite]] = []
+        batches: _Batches = {}
         for n, (row, value) in enumerate(writes):
             try:
-                raw.append((self.station(row).name, n, raw_write(self.item(row), value)))
+                batches.setdefault(self.station(row).name, {})[n] = raw_write(self.item(row), value)
             except WriteRefused as refused:
                 log.info("write refused: %s", refused)
                 outcomes[n] = refused.outcome
-        raw.sort(key=lambda entry: entry[0])
-        batches = [(name, list(batch)) for name, batch in groupby(raw, key=lambda entry: entry[0])]
-        answers = await asyncio.gather(
-            *(self._stations[name].link.write(name, [write for _, _, write in batch]) for name, batch in batches)
-        )
-        for (_, batch), answer in zip(batches, answers, strict=True):
-            for (_, n, _), outcome in zip(batch, answer, strict=True):
-                outcomes[n] = outcome
-        return [outcome if outcome is not None else Outcome.COMM_FAILURE for outcome in outcomes]
+        return outcomes, {name: batch for name, batch in batches.items() if batch}
 
     # ------------------------------------------------------------------ the links' side
 
@@ -259,3 +269,10 @@ class Gateway:
             for name, driver in self._drivers.items():
                 self._driver_tasks[name] = tasks.create_task(driver.run())
             tasks.create_task(self.dynamic.run())
+
+
+def _merged(outcomes: list[Outcome | None], batches: _Batches, answers: Iterable[Sequence[Outcome]]) -> list[Outcome]:
+    for batch, answer in zip(batches.values(), answers, strict=True):
+        for n, outcome in zip(batch, answer, strict=True):
+            outcomes[n] = outcome
+    return [outcome if outcome is not None else Outcome.COMM_FAILURE for outcome in outcomes]

@@ -48,6 +48,11 @@ class Station:
         return self.plc.connected and self.reachable
 
     @property
+    def polled(self) -> bool:
+        """Whether a reader may have to wait for the device: no link of this version makes him wait."""
+        return False
+
+    @property
     def status(self) -> PlcStatus:
         """How the PLC is doing; a PLC of memory alone is in STOP, one that does not answer is UNKNOWN."""
         return self.link.status(self.name) if self.connected else PlcStatus("UNKNOWN")
@@ -89,7 +94,7 @@ class Station:
         """Somebody reads: the samples of a live station are as old as the question."""
         if self.live and self.connected and now - self._stamped > FRESH_TICKS:
             self._stamped = now
-            self._table.stamp(self.rows, now)
+            self.image.stamp(now)
 
 
 def _field(row: int, item: Item, address: Address) -> Field:

@@ -11,6 +11,7 @@ from pcaccess.items.image import Linear
 from pcaccess.items.sample import ItemValue
 from pcaccess.links.base import Outcome, RawWrite
 from pcaccess.project.model import Access, Item, Scaling, WriteLimits
+from pcaccess.s7200.address import Address
 from pcaccess.s7200.types import MAX_STRING, DataType, Value, ValueRangeError, ValueTypeError
 
 
@@ -44,6 +45,23 @@ def raw_write(item: Item, value: ItemValue) -> RawWrite:
     except ValueRangeError as error:
         raise WriteRefused(Outcome.OUT_OF_RANGE, f"{item.item_id}: {error}") from None
     return RawWrite(item.item_id, item.address, item.raw_type, data)
+
+
+def is_verbatim(item: Item) -> bool:
+    """Whether :func:`raw_write` of every value of the item's type is just that value's bytes.
+
+    That is a writable single number or bit without scaling and without limits to keep: the many that are written
+    in bulk need no look at each.
+    """
+    return (
+        bool(item.access & Access.W)
+        and isinstance(item.address, Address)
+        and item.count == 1
+        and item.raw_type is item.data_type
+        and item.raw_type is not DataType.STRING
+        and item.scaling is None
+        and (item.write_limits is WriteLimits.NONE or item.low is None)
+    )
 
 
 def _shape(count: int) -> str:

@@ -1,13 +1,17 @@
 """A PLC's memory image to samples: changed bytes are found and decoded in bulk.
 
-The image is the flat buffer of ``pcaccess.s7200.memory``. Rows are grouped by raw type; an update compares the new
-bytes with the old, finds by one prefix sum the rows any of whose bytes changed, and decodes only those.
+The image is the flat buffer of ``pcaccess.s7200.memory``. Rows are columns, grouped by raw type; an update compares the
+new bytes with the old, finds by one prefix sum the rows any of whose bytes changed, and decodes only those. An update
+of a few bytes, as one written value is, goes to its rows directly.
 
 Units:    offsets in bytes of the flat buffer; times in ticks.
 """
 
 from __future__ import annotations
 
+import struct
+from array import array
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Final
@@ -17,7 +21,7 @@ from numpy.typing import NDArray
 
 from pcaccess.items.quality import Quality
 from pcaccess.items.records import KINDS
-from pcaccess.items.table import ItemTable, Rows, as_rows
+from pcaccess.items.table import ItemTable, Rows, RowSet, as_rows
 from pcaccess.s7200.types import DataType, Value
 
 
@@ -70,25 +74,69 @@ class Field:
             return (1 + self.length) * self.count
         return self.raw_type.size * self.count
 
+    def reaches(self, start: int, end: int) -> bool:
+        """Whether it has a byte in ``start..end``."""
+        return self.offset < end and start < self.offset + self.size
+
+
+_EMPTY: Final = np.zeros(0, np.int64)
+_GOOD: Final = Quality.GOOD.code
+FEW_BYTES: Final = 16
+FEW_ROWS: Final = 12
+"""Up to so much is done row by row: arrays cost more to set up than they save."""
+
 
 class _Group:
-    """Single values of one raw type, all scaled or all not, as columns."""
+    """Single values of one raw type, all scaled or all not, as columns in the order of their offsets."""
 
-    def __init__(self, raw_type: DataType, fields: list[Field]) -> None:
+    def __init__(self, raw_type: DataType, scaled: bool) -> None:
         self.raw_type = raw_type
-        fields.sort(key=lambda f: f.offset)
-        self.rows = np.array([f.row for f in fields], np.int64)
-        self.offsets = np.array([f.offset for f in fields], np.int64)
-        self._bits = np.array([f.bit for f in fields], np.uint8)
-        self._columns = self.offsets[:, None] + np.arange(raw_type.size)
-        linears = [f.linear for f in fields if f.linear is not None]
-        self._scaling = np.array([line.coefficients() for line in linears]) if linears else None
+        self.served_type = DataType.REAL if scaled else raw_type
+        self.size = raw_type.size
+        self.rows: Rows = _EMPTY
+        self.offsets: NDArray[np.int64] = _EMPTY
+        self.members = RowSet(_EMPTY)
+        self._starts: array[int] = array("q")
+        self._bits = np.zeros(0, np.uint8)
+        self._scaling: NDArray[np.float64] | None = np.zeros((0, 4)) if scaled else None
+        self._one = struct.Struct(raw_type.struct_format or ">B")
+
+    def add(self, fields: list[Field]) -> None:
+        rows = np.concatenate((self.rows, np.array([f.row for f in fields], np.int64)))
+        offsets = np.concatenate((self.offsets, np.array([f.offset for f in fields], np.int64)))
+        bits = np.concatenate((self._bits, np.array([f.bit for f in fields], np.uint8)))
+        scaling = self._scaling
+        if scaling is not None:
+            scaling = np.concatenate((scaling, [f.linear.coefficients() for f in fields if f.linear is not None]))
+        order = np.argsort(offsets, kind="stable")
+        self._take(rows[order], offsets[order], bits[order], scaling if scaling is None else scaling[order])
+
+    def remove(self, gone: Rows) -> None:
+        stays = ~np.isin(self.rows, gone)
+        if not stays.all():
+            scaling = self._scaling
+            scaling = scaling if scaling is None else scaling[stays]
+            self._take(self.rows[stays], self.offsets[stays], self._bits[stays], scaling)
+
+    def _take(
+        self, rows: Rows, offsets: NDArray[np.int64], bits: NDArray[np.uint8], scaling: NDArray[np.float64] | None
+    ) -> None:
+        self.rows, self._bits, self._scaling = rows, bits, scaling
+        self._starts = array("q", offsets.tobytes())
+        self.offsets = np.frombuffer(self._starts, np.int64)
+        self.members = RowSet(rows)
+
+    def touching(self, start: int, end: int) -> range:
+        """Which of the rows have a byte in ``start..end``."""
+        first = bisect_right(self._starts, start - self.size)
+        return range(first, bisect_left(self._starts, end, first))
 
     def decode(self, image: NDArray[np.uint8], which: NDArray[np.intp]) -> NDArray[Any]:
+        offsets = self.offsets[which]
         if self.raw_type is DataType.BOOL:
-            bits: NDArray[Any] = (image[self.offsets[which]] >> self._bits[which]) & 1
+            bits: NDArray[Any] = (image[offsets] >> self._bits[which]) & 1
             return bits
-        raw = image[self._columns[which]].view(self.raw_type.struct_format)[:, 0]
+        raw = image[offsets[:, None] + np.arange(self.size)].view(self.raw_type.struct_format)[:, 0]
         if self._scaling is not None:
             factor, offset, low, high = self._scaling[which].T
             scaled: NDArray[Any] = np.clip(raw * factor + offset, low, high).astype(np.float32)
@@ -96,12 +144,15 @@ class _Group:
         native: NDArray[Any] = raw.astype(KINDS[self.raw_type].value_format)
         return native
 
-    @property
-    def served_type(self) -> DataType:
-        return self.raw_type if self._scaling is None else DataType.REAL
-
-
-_EMPTY: Final = np.zeros(0, np.int64)
+    def decode_one(self, image: memoryview, n: int) -> float:
+        """The same for one row."""
+        raw: float = self._one.unpack_from(image, self._starts[n])[0]
+        if self.raw_type is DataType.BOOL:
+            return int(raw) >> int(self._bits[n]) & 1
+        if self._scaling is None:
+            return raw
+        factor, offset, low, high = self._scaling[n].tolist()
+        return min(max(raw * factor + offset, low), high)  # type: ignore[no-any-return]
 
 
 class PlcImage:
@@ -110,50 +161,54 @@ class PlcImage:
     def __init__(self, table: ItemTable, size: int) -> None:
         self._table = table
         self._image = np.zeros(size, np.uint8)
-        self._known = np.zeros(size, np.bool_)
-        self._fields: dict[int, Field] = {}
-        self._groups: list[_Group] | None = None
+        self._bytes = self._image.data
+        self._known: NDArray[np.bool_] | None = np.zeros(size, np.bool_)
+        """Bytes that were seen; None once all were."""
+        self._groups: dict[tuple[DataType, bool], _Group] = {}
         self._objects: list[Field] = []
-        self._rows: Rows = _EMPTY
-        self._out_of_service: frozenset[int] = frozenset()
+        self._silent: set[int] = set()
+        self._silent_told = True
+        self._members: RowSet | None = None
 
     @property
     def rows(self) -> Rows:
-        """All rows of this PLC."""
-        self._arrange()
-        return self._rows
+        """All rows that the PLC's memory shows."""
+        return self._row_set().rows
 
-    def field(self, row: int) -> Field:
-        return self._fields[row]
+    def _row_set(self) -> RowSet:
+        if self._members is None:
+            rows = [group.rows for group in self._groups.values()]
+            rows.append(as_rows(field.row for field in self._objects))
+            self._members = RowSet(np.concatenate(rows))
+        return self._members
 
     def add(self, fields: Iterable[Field], *, out_of_service: Iterable[int] = ()) -> None:
         """More rows. Rows ``out_of_service`` have an address but no one who keeps it true."""
+        silent = set(out_of_service)
+        by_kind: dict[tuple[DataType, bool], list[Field]] = {}
         for field in fields:
-            self._fields[field.row] = field
-        self._out_of_service |= frozenset(out_of_service)
-        self._groups = None
+            if field.row in silent:
+                continue
+            if field.count != 1 or field.raw_type is DataType.STRING:
+                self._objects.append(field)
+            else:
+                by_kind.setdefault((field.raw_type, field.linear is not None), []).append(field)
+        for kind, members in by_kind.items():
+            self._groups.setdefault(kind, _Group(*kind)).add(members)
+        self._objects.sort(key=lambda field: field.offset)
+        self._silent |= silent
+        self._silent_told = self._silent_told and not silent
+        self._members = None
 
     def remove(self, rows: Iterable[int]) -> None:
         gone = set(rows)
-        for row in gone:
-            self._fields.pop(row, None)
-        self._out_of_service -= gone
-        self._groups = None
+        for group in self._groups.values():
+            group.remove(as_rows(gone))
+        self._objects = [field for field in self._objects if field.row not in gone]
+        self._silent -= gone
+        self._members = None
 
-    def _arrange(self) -> list[_Group]:
-        if self._groups is None:
-            by_kind: dict[tuple[DataType, bool], list[Field]] = {}
-            self._objects = []
-            for field in self._fields.values():
-                if field.row in self._out_of_service:
-                    continue
-                if field.count != 1 or field.raw_type is DataType.STRING:
-                    self._objects.append(field)
-                else:
-                    by_kind.setdefault((field.raw_type, field.linear is None), []).append(field)
-            self._groups = [_Group(raw_type, fields) for (raw_type, _), fields in by_kind.items()]
-            self._rows = as_rows(row for row in self._fields if row not in self._out_of_service)
-        return self._groups
+    # ------------------------------------------------------------------ samples
 
     def update(self, data: bytes | bytearray | memoryview, now: int, start: int = 0) -> None:
         """The PLC was read at ``now``: ``data`` stands at ``start`` of the image.
@@ -161,30 +216,54 @@ class PlcImage:
         Rows wholly inside are as new as ``now``; rows that only reach in are decoded again if a byte of theirs
         changed, once all of their bytes have been seen.
         """
-        new = np.frombuffer(data, np.uint8)
+        if not self._silent_told:
+            self._silent_told = True
+            self._table.set_quality(as_rows(self._silent), Quality.OUT_OF_SERVICE, now)
+        if len(data) > FEW_BYTES or self._known is not None or not self._update_few(bytes(data), now, start):
+            self._update_many(np.frombuffer(data, np.uint8), now, start)
+
+    def _update_few(self, new: bytes, now: int, start: int) -> bool:
+        end = start + len(new)
+        touched = [(group, which) for group in self._groups.values() if (which := group.touching(start, end))]
+        if sum(len(which) for _, which in touched) > FEW_ROWS or any(f.reaches(start, end) for f in self._objects):
+            return False
+        old = bytes(self._bytes[start:end])
+        self._bytes[start:end] = new
+        table = self._table
+        for group, which in touched:
+            for n in which:
+                row, at = int(group.rows[n]), group.offsets[n] - start
+                first, last = max(at, 0), at + group.size
+                if old[first:last] != new[first:last] or table.quality_code(row) != _GOOD:
+                    table.put_number(row, group.decode_one(self._bytes, n), now)
+                elif first == at and last <= len(new):
+                    table.stamp_one(row, now)
+        return True
+
+    def _update_many(self, new: NDArray[np.uint8], now: int, start: int) -> None:
         end = start + len(new)
         differs = np.zeros(len(self._image), np.bool_)
-        differs[start:end] = (self._image[start:end] != new) | ~self._known[start:end]
+        differs[start:end] = self._image[start:end] != new
         self._image[start:end] = new
-        self._known[start:end] = True
+        unknown = None
+        if self._known is not None:
+            differs[start:end] |= ~self._known[start:end]
+            self._known[start:end] = True
+            if self._known.all():
+                self._known = None
+            else:
+                unknown = np.concatenate(([0], np.cumsum(~self._known)))
         running = np.concatenate(([0], np.cumsum(differs)))
-        unknown = None if self._known.all() else np.concatenate(([0], np.cumsum(~self._known)))
-        for group in self._arrange():
+        for group in self._groups.values():
             self._update_group(group, running, unknown, start, end, now)
         for field in self._objects:
             first, last = field.offset, field.offset + field.size
-            if last <= start or first >= end or (unknown is not None and unknown[last] > unknown[first]):
+            if not field.reaches(start, end) or (unknown is not None and unknown[last] > unknown[first]):
                 continue
-            if running[last] > running[first] or self._stale(field):
+            if running[last] > running[first] or self._table.quality_code(field.row) != _GOOD:
                 self._table.put_object(field.row, self._decode_object(field), now)
             elif start <= first and last <= end:
                 self._table.stamp(as_rows(field.row), now)
-        if self._out_of_service:
-            self._table.set_quality(as_rows(self._out_of_service), Quality.OUT_OF_SERVICE, now)
-
-    def repeat(self, now: int) -> None:
-        """The PLC still holds what it held; rows that came since get their values."""
-        self.update(self._image.tobytes(), now)
 
     def _update_group(
         self,
@@ -195,29 +274,42 @@ class PlcImage:
         end: int,
         now: int,
     ) -> None:
-        size = group.raw_type.size
-        first = int(np.searchsorted(group.offsets, start - size, "right"))
-        last = int(np.searchsorted(group.offsets, end, "left"))
-        if first >= last:
+        touched = group.touching(start, end)
+        if not touched:
             return
+        first, last = touched.start, touched.stop
         at, rows = group.offsets[first:last], group.rows[first:last]
-        dirty = (running[at + size] > running[at]) | self._table.is_not_good(rows)
-        inside = (at >= start) & (at + size <= end)
+        dirty = (running[at + group.size] > running[at]) | self._table.is_not_good(rows)
+        inside = (at >= start) & (at + group.size <= end)
         if unknown is not None:
-            dirty &= unknown[at + size] == unknown[at]
-        self._table.stamp(rows if inside.all() else rows[inside], now)
+            dirty &= unknown[at + group.size] == unknown[at]
+        if inside.all():
+            self._table.stamp(group.members if len(rows) == len(group.rows) else rows, now)
+        else:
+            self._table.stamp(rows[inside], now)
         which = np.flatnonzero(dirty)
         if len(which):
             which += first
             self._table.put_numbers(group.served_type, group.rows[which], group.decode(self._image, which), now)
 
-    def _stale(self, field: Field) -> bool:
-        return bool(self._table.is_not_good(as_rows(field.row))[0])
+    def repeat(self, now: int) -> None:
+        """The PLC still holds what it held; rows that came since get their values."""
+        known = self._known
+        if known is None:
+            self._update_many(self._image.copy(), now, 0)
+            return
+        edges = np.flatnonzero(np.diff(known, prepend=False, append=False))
+        for start, end in edges.reshape(-1, 2).tolist():
+            self._update_many(self._image[start:end].copy(), now, start)
+
+    def stamp(self, now: int) -> None:
+        """The PLC's memory is known to be what it was: all its rows are as new as ``now``."""
+        self._table.stamp(self._row_set(), now)
 
     def lost(self, quality: Quality, now: int) -> None:
         """The PLC does not answer: every row keeps value and time and takes ``quality``."""
-        rows = as_rows(self._fields)
-        self._table.set_quality(rows, quality, now)
+        self._table.set_quality(np.concatenate((self.rows, as_rows(self._silent))), quality, now)
+        self._silent_told = not self._silent
 
     def _decode_object(self, field: Field) -> Value | list[Value]:
         image = self._image

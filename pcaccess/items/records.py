@@ -9,6 +9,7 @@ Source:   OPC UA Part 6, DataValue and Variant encodings (all little-endian).
 
 from __future__ import annotations
 
+import struct
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, Final
@@ -61,4 +62,9 @@ KINDS: Final = MappingProxyType(
 OBJECT_KIND: Final = Kind(len(KINDS), 0, "")
 """Strings and arrays."""
 ALL_KINDS: Final = (*KINDS.values(), OBJECT_KIND)
+LAYOUTS: Final = tuple(
+    struct.Struct("<BB" + np.dtype(kind.value_format).char + "Iqq" if kind.value_format else "<BIqq")
+    for kind in ALL_KINDS
+)
+"""The same layouts for one record at a time, by kind index."""
 NULL_VARIANT: Final = b"\x00"

@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Iterable, Sequence
 
 from pcaccess.items.quality import Quality
-from pcaccess.links.base import Outcome, PlcStatus, RawWrite, Sink
+from pcaccess.links.base import Outcome, PlcStatus, RawBlock, RawWrite, Sink
 from pcaccess.project.model import Item, Plc
 
 
@@ -37,4 +37,16 @@ class AbsentLink:
         await asyncio.get_running_loop().create_future()
 
     async def write(self, station: str, writes: Sequence[RawWrite]) -> list[Outcome]:
+        return self.write_now(station, writes)
+
+    def is_prompt(self, station: str) -> bool:
+        return True
+
+    def write_now(self, station: str, writes: Sequence[RawWrite]) -> list[Outcome]:
         return [Outcome.NOT_CONNECTED] * len(writes)
+
+    def takes_blocks(self, station: str) -> bool:
+        return True
+
+    def write_blocks(self, station: str, blocks: Sequence[RawBlock]) -> Outcome:
+        return Outcome.NOT_CONNECTED

@@ -11,6 +11,9 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Protocol
 
+import numpy as np
+from numpy.typing import NDArray
+
 from pcaccess.items.quality import Quality
 from pcaccess.project.model import Item, Plc
 from pcaccess.s7200.address import Address
@@ -41,6 +44,19 @@ class RawWrite:
     address: Address | str
     raw_type: DataType
     data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class RawBlock:
+    """Single values of one type, as they stand in PLC memory, for many places of one PLC."""
+
+    raw_type: DataType
+    offsets: NDArray[np.int64]
+    """Of the flat memory, ``pcaccess.s7200.memory``."""
+    bits: NDArray[np.uint8]
+    """Bit in the byte; 0 for anything but BOOL."""
+    data: NDArray[np.uint8]
+    """One row of ``raw_type.size`` bytes per place; 0 or 1 for BOOL."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,3 +102,15 @@ class Link(Protocol):
 
     async def write(self, station: str, writes: Sequence[RawWrite]) -> list[Outcome]:
         """Carry writes out, in order; returns when the PLC has taken or refused each."""
+
+    def is_prompt(self, station: str) -> bool:
+        """Whether the PLC takes a write without anybody having to wait."""
+
+    def write_now(self, station: str, writes: Sequence[RawWrite]) -> list[Outcome]:
+        """As :meth:`write`; only while the PLC is prompt."""
+
+    def takes_blocks(self, station: str) -> bool:
+        """Whether the PLC is prompt and takes many values at once."""
+
+    def write_blocks(self, station: str, blocks: Sequence[RawBlock]) -> Outcome:
+        """Many single values at once, no bit of them twice; only while :meth:`takes_blocks`."""

@@ -19,7 +19,7 @@ from pcaccess.items.quality import Quality, split_code
 from pcaccess.items.records import KINDS
 from pcaccess.items.table import ItemTable, Rows, as_rows
 from pcaccess.items.ticks import to_ticks
-from pcaccess.links.base import Outcome, PlcStatus, RawWrite
+from pcaccess.links.base import Outcome, PlcStatus, RawBlock, RawWrite
 from pcaccess.project.model import Item, Plc
 from pcaccess.project.sim import Wave, WaveKind, parse_wave
 from pcaccess.s7200.types import DataType, Value
@@ -149,6 +149,18 @@ class SimLink:
         return self._waves
 
     async def write(self, station: str, writes: Sequence[RawWrite]) -> list[Outcome]:
+        return self.write_now(station, writes)
+
+    def is_prompt(self, station: str) -> bool:
+        return True
+
+    def takes_blocks(self, station: str) -> bool:
+        return False
+
+    def write_blocks(self, station: str, blocks: Sequence[RawBlock]) -> Outcome:
+        return Outcome.NOT_WRITABLE
+
+    def write_now(self, station: str, writes: Sequence[RawWrite]) -> list[Outcome]:
         """Only constants can be written; they keep the value until the program ends."""
         if not self._connected[station]:
             return [Outcome.NOT_CONNECTED] * len(writes)

@@ -13,9 +13,12 @@ import asyncio
 import logging
 from collections.abc import Callable, Iterable, Sequence
 
+import numpy as np
+from numpy.typing import NDArray
+
 from pcaccess.clock import Clock
 from pcaccess.items.quality import Quality
-from pcaccess.links.base import Outcome, PlcStatus, RawWrite, Sink
+from pcaccess.links.base import Outcome, PlcStatus, RawBlock, RawWrite, Sink
 from pcaccess.links.scanning import ScanningPlc
 from pcaccess.project.model import Item, Plc
 from pcaccess.s7200.memory import MEMORY_SIZE, locate
@@ -118,10 +121,20 @@ class SoftLink:
     async def write(self, station: str, writes: Sequence[RawWrite]) -> list[Outcome]:
         """Into memory at once, or between two scans."""
         plc = self._plcs[station]
+        if plc.plc.connected and isinstance(plc, ScanningPlc):
+            return await plc.write(writes)
+        return self.write_now(station, writes)
+
+    def is_prompt(self, station: str) -> bool:
+        """Memory is, a CPU takes writes between two scans."""
+        plc = self._plcs[station]
+        return isinstance(plc, MemoryPlc) or not plc.plc.connected
+
+    def write_now(self, station: str, writes: Sequence[RawWrite]) -> list[Outcome]:
+        """Into memory."""
+        plc = self._plcs[station]
         if not plc.plc.connected:
             return [Outcome.NOT_CONNECTED] * len(writes)
-        if isinstance(plc, ScanningPlc):
-            return await plc.write(writes)
         first, last = MEMORY_SIZE, 0
         for write in writes:
             start, end = store(plc.memory, write)
@@ -129,6 +142,33 @@ class SoftLink:
         if writes:
             self._sink.received(station, memoryview(plc.memory)[first:last], first)
         return [Outcome.DONE] * len(writes)
+
+    def takes_blocks(self, station: str) -> bool:
+        return self.is_prompt(station)
+
+    def write_blocks(self, station: str, blocks: Sequence[RawBlock]) -> Outcome:
+        """Into memory, column by column."""
+        plc = self._plcs[station]
+        if not plc.plc.connected:
+            return Outcome.NOT_CONNECTED
+        memory = np.frombuffer(plc.memory, np.uint8)
+        first, last = MEMORY_SIZE, 0
+        for block in blocks:
+            store_block(memory, block)
+            first = min(first, int(block.offsets.min()))
+            last = max(last, int(block.offsets.max()) + block.raw_type.size)
+        self._sink.received(station, memoryview(plc.memory)[first:last], first)
+        return Outcome.DONE
+
+
+def store_block(memory: NDArray[np.uint8], block: RawBlock) -> None:
+    """Put many values of one type into a flat memory."""
+    if block.raw_type is DataType.BOOL:
+        bit = np.left_shift(np.uint8(1), block.bits)
+        np.bitwise_and.at(memory, block.offsets, ~bit)
+        np.bitwise_or.at(memory, block.offsets, block.data[:, 0] << block.bits)
+    else:
+        memory[block.offsets[:, None] + np.arange(block.raw_type.size)] = block.data
 
 
 def store(memory: bytearray | memoryview, write: RawWrite) -> tuple[int, int]:

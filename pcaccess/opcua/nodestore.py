@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 from asyncua import ua
@@ -14,6 +15,25 @@ from pcaccess.opcua.ids import ITEMS, SYSTEM, standard
 from pcaccess.opcua.space import Space
 
 OURS = (ITEMS, SYSTEM)
+
+LazyReference = tuple[bool, ua.NodeId, Callable[[], ua.ReferenceDescription | None]]
+"""Whether it points forward, its type, and what describes its far end (None when that is gone)."""
+
+
+class _OurNode(NodeData):
+    """A node whose references are described when they are looked at: a folder may have 100,000."""
+
+    def __init__(self, node_id: ua.NodeId, describe: Callable[[], list[ua.ReferenceDescription]]) -> None:
+        self._describe = describe
+        super().__init__(node_id)
+
+    @property
+    def references(self) -> list[ua.ReferenceDescription]:
+        return self._describe()
+
+    @references.setter
+    def references(self, _: list[ua.ReferenceDescription]) -> None:
+        pass  # asyncua's __init__ sets an empty list
 
 
 class NodeStore(dict[ua.NodeId, NodeData]):
@@ -44,16 +64,28 @@ class NodeStore(dict[ua.NodeId, NodeData]):
             return default
 
     def node_data(self, entry: Entry) -> NodeData:
-        node = NodeData(entry.node_id)
+        node = _OurNode(entry.node_id, lambda: self._described(entry))
         node.attributes = {key: AttributeValue(value) for key, value in attributes(entry).items()}
         if entry.value is not None:
             live = AttributeValue(ua.DataValue())
             read = entry.value
             live.value_callback = lambda _node, _attribute: read()
             node.attributes[AttributeIds.Value] = live
-        node.references = [description for r in self.references(entry) if (description := self.describe(r))]
         node.call = entry.call
         return node
+
+    def _described(self, entry: Entry) -> list[ua.ReferenceDescription]:
+        return [description for r in self.references(entry) if (description := self.describe(r))]
+
+    def references_of(self, node_id: ua.NodeId) -> Iterator[LazyReference]:
+        """References of a node, each described only when somebody asks; KeyError for an unknown node."""
+        entry = self._space.find(node_id) if node_id.NamespaceIndex in OURS else None
+        if entry is None:
+            for description in self[node_id].references:
+                yield description.IsForward, description.ReferenceTypeId, partial(_itself, description)
+        else:
+            for reference in self.references(entry):
+                yield reference.forward, standard(reference.type), partial(self.describe, reference)
 
     def references(self, entry: Entry) -> Iterator[Reference]:
         if entry.type_definition:  # methods have none
@@ -83,6 +115,10 @@ class NodeStore(dict[ua.NodeId, NodeData]):
         description.DisplayName = _plain(node, AttributeIds.DisplayName)
         description.NodeClass = _plain(node, AttributeIds.NodeClass)
         return description
+
+
+def _itself(description: ua.ReferenceDescription) -> ua.ReferenceDescription:
+    return description
 
 
 _HAS_TYPE_DEFINITION = 40

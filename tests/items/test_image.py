@@ -89,8 +89,12 @@ def layouts(draw: st.DrawFn) -> list[Field]:
 
 
 # Few distinct bytes, so that updates often repeat what is there.
-memories = st.lists(st.sampled_from([0, 1, 0x41, 0x7F, 0x80, 0xFF]), min_size=SIZE, max_size=SIZE).map(bytes)
-slices = st.tuples(st.integers(0, SIZE - 1), st.integers(1, SIZE)).map(lambda p: (p[0], min(p[0] + p[1], SIZE)))
+memories = st.binary(min_size=SIZE, max_size=SIZE).map(
+    lambda raw: bytes((0, 1, 0x41, 0x7F, 0x80, 0xFF)[byte % 6] for byte in raw)
+)
+slices = st.tuples(st.integers(0, SIZE - 1), st.integers(1, 8) | st.integers(1, SIZE)).map(
+    lambda p: (p[0], min(p[0] + p[1], SIZE))
+)
 
 
 @given(layouts(), memories)
@@ -242,3 +246,19 @@ def test_rows_added_later_show_what_is_known_already() -> None:
     plc.image.repeat(6)
     assert plc.value(late) == 3
     assert plc.table.sample(late).quality is Quality.GOOD
+
+
+def test_repeating_does_not_invent_what_was_never_seen() -> None:
+    plc = Plc([Field(0, 0, 0, DataType.BYTE), Field(1, 8, 0, DataType.BYTE), Field(2, 20, 0, DataType.BYTE)])
+    plc.image.update(b"\x05", 5, 0)
+    plc.image.update(b"\x06", 5, 20)
+    plc.image.repeat(6)
+    assert plc.qualities() == [Quality.GOOD, Quality.WAITING_FOR_INITIAL_DATA, Quality.GOOD]
+    assert plc.table.source_ticks(plc.image.rows).tolist() == [6, BORN, 6]
+
+
+def test_all_rows_are_stamped_at_once() -> None:
+    plc = Plc([Field(0, 0, 0, DataType.BYTE), Field(1, 2, 0, DataType.STRING, 1, 4), Field(2, 8, 0, DataType.BOOL)])
+    plc.image.update(bytes(SIZE), 5)
+    plc.image.stamp(9)
+    assert plc.table.source_ticks(plc.image.rows).tolist() == [9, 9, 9]

@@ -15,10 +15,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pcaccess.items.quality import Limit, Quality
-from pcaccess.items.records import KINDS, MASK_ALL, MASK_VALUE, VARIANT_TYPES
+from pcaccess.items.records import KINDS, MASK_ALL, MASK_VALUE
 from pcaccess.items.sample import ItemValue
-from pcaccess.items.table import ItemTable, as_rows
+from pcaccess.items.table import ItemTable, RowSet, as_rows
 from pcaccess.items.ticks import from_ticks, to_ticks
+from pcaccess.items.varianttypes import VARIANT_TYPES
 from pcaccess.s7200.types import DataType
 
 BORN = to_ticks(datetime(2026, 11, 22, tzinfo=UTC))
@@ -264,3 +265,43 @@ def test_nothing_is_asked_of_no_rows() -> None:
     table.set_quality(none, Quality.BAD, NOW)
     table.put_numbers(DataType.INT, none, np.zeros(0), NOW)
     assert heard.take() == []
+
+
+def test_an_array_with_not_a_number_is_reported_once() -> None:
+    table = ItemTable(BORN)
+    row = table.add("a", DataType.REAL, 2)
+    heard = Heard(table)
+    for _ in range(3):
+        table.put(row, [1.0, float("nan")], NOW)
+    assert heard.take() == [row]
+
+
+@given(typed_values(), typed_values())
+def test_one_number_at_a_time_is_the_same_as_many(
+    first: tuple[DataType, int, ItemValue], second: tuple[DataType, int, ItemValue]
+) -> None:
+    """``put`` of a single value packs one record; ``put_numbers`` works on columns."""
+    data_type, _, _ = first
+    values = [v for t, count, v in (first, second) if t is data_type and count == 1 and t is not DataType.STRING]
+    single, many = ItemTable(BORN), ItemTable(BORN)
+    for table in (single, many):
+        table.add("a", data_type)
+    for now, value in enumerate(values, NOW):
+        single.put(0, value, now)
+        many.put_numbers(data_type, as_rows(0), np.array([value], KINDS[data_type].value_format), now)
+        assert single.encoded(0) == many.encoded(0)
+        assert single.changed(as_rows(0)) == many.changed(as_rows(0))
+
+
+def test_a_set_of_rows_is_stamped_wherever_its_rows_are_now() -> None:
+    table = ItemTable(BORN)
+    rows = table.add_many([(f"i{n}", DataType.INT if n % 2 else DataType.REAL, 1) for n in range(6)])
+    members = RowSet(rows[1:])
+    table.stamp(members, NOW)
+    assert table.source_ticks(rows).tolist() == [BORN] + [NOW] * 5
+    table.add_many([(f"j{n}", DataType.INT, 1) for n in range(1000)])
+    table.stamp(members, LATER)
+    assert table.source_ticks(rows).tolist() == [BORN] + [LATER] * 5
+    table.stamp_one(0, LATER)
+    assert table.source_ticks(rows).tolist() == [LATER] * 6
+    assert table.encoded(0)[3] == LATER

@@ -16,7 +16,7 @@ from asyncua.ua.uaerrors import BadIdentityTokenRejected, BadSessionIdInvalid
 
 from pcaccess.gateway.reload import apply_project
 from pcaccess.items.quality import Quality
-from pcaccess.opcua.asyncua_server import MAX_FRAME
+from pcaccess.opcua.limits import MAX_FRAME
 from pcaccess.project.load import load_text
 from tests.gateways import PATIENCE, Change, RunningGateway, ScriptedClient, start_gateway
 
@@ -253,7 +253,8 @@ async def test_nobody_is_an_administrator_by_name(running: RunningGateway) -> No
 async def test_a_frame_larger_than_agreed_closes_the_connection_at_once(running: RunningGateway) -> None:
     reader, writer = await asyncio.open_connection("127.0.0.1", running.server.port)
     writer.write(b"MSGF" + struct.pack("<I", MAX_FRAME + 1) + b"x" * 100)
-    assert await asyncio.wait_for(end_of(reader), PATIENCE) == b""
+    answer = await asyncio.wait_for(end_of(reader), PATIENCE)
+    assert (answer[:4], struct.unpack_from("<I", answer, 8)[0]) == (b"ERRF", ua.StatusCodes.BadTcpMessageTooLarge)
     writer.close()
     async with running.client() as client:
         assert (await client.read(f"{PLC}Motor")).quality is Quality.GOOD

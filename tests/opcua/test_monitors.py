@@ -18,6 +18,7 @@ from pcaccess.items.table import as_rows
 from pcaccess.opcua.monitors import ItemMonitors
 from pcaccess.opcua.nodestore import NodeStore
 from pcaccess.opcua.space import Space
+from pcaccess.s7200.memory import locate
 
 PLC = "MicroWin.NewPLC."
 Reporting, Sampling, Disabled = ua.MonitoringMode.Reporting, ua.MonitoringMode.Sampling, ua.MonitoringMode.Disabled
@@ -433,5 +434,7 @@ async def test_a_removed_item_is_reported_once_as_unknown_and_again_when_it_is_b
     assert watch.statuses() == [StatusCodes.BadNodeIdUnknown] * 2
     assert watch.statuses() == []
     (again,) = gateway.add_items(station, [item])
-    gateway.received(station.name, b"\x00\x2a", station.image.field(again).offset)
+    gateway.refresh(station)
+    gateway.received(station.name, b"\x00\x2a", locate(item.address)[0])
+    assert gateway.find(PLC + "Temperature") == again
     assert watch.publish() == [42, 42]

@@ -1,0 +1,189 @@
+"""Encoded NodeIds to rows, and what the fast services must know of a row, in columns.
+
+Both are filled when somebody asks and forgotten when the table says that rows went or the project changed, so that
+100,000 items cost nothing until they are used.
+
+Source:   OPC UA Part 6, 5.2.2.9 NodeId (encoding 3 is a string: 03, namespace, length, text).
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable, Sequence
+from typing import Final
+
+import numpy as np
+from asyncua import ua
+from numpy.typing import NDArray
+
+from pcaccess.gateway.gateway import Gateway
+from pcaccess.gateway.station import Station
+from pcaccess.gateway.writing import is_verbatim
+from pcaccess.items.table import Rows
+from pcaccess.items.varianttypes import VARIANT_TYPES
+from pcaccess.opcua.ids import ITEMS, SYSTEM
+from pcaccess.opcua.space import Space
+from pcaccess.project.model import Access
+
+MAX_NAMES: Final = 262_144
+"""Encoded NodeIds that are remembered; one more forgets them all."""
+MAX_NAME: Final = 512
+"""Bytes of a NodeId that is worth remembering."""
+
+KNOWN: Final = 0x01
+READABLE: Final = 0x02
+WRITABLE: Final = 0x04
+VERBATIM: Final = 0x08
+"""Writable, and every value of its type goes into memory as it is."""
+POLLED: Final = 0x10
+"""Its sample may be older than a reader wants: the gateway must be asked."""
+DYNAMIC: Final = 0x20
+"""Goes when nobody uses it, so that every use must be told."""
+
+UNKNOWN_NODE: Final = -1
+"""There is no such node."""
+FOREIGN: Final = -2
+"""There is, or asyncua must decide: another namespace, a folder, a property."""
+
+_STRING_HEAD: Final = struct.Struct("<BHi")
+_HEAD: Final = 7
+
+
+class Lookup:
+    """Rows by encoded NodeId, facts by row."""
+
+    def __init__(self, gateway: Gateway, space: Space) -> None:
+        self._gateway = gateway
+        self._space = space
+        self._names: dict[bytes, int] = {}
+        self._flags: NDArray[np.uint8] = np.zeros(0, np.uint8)
+        self._types: NDArray[np.uint8] = np.zeros(0, np.uint8)
+        self._station: NDArray[np.int32] = np.zeros(0, np.int32)
+        self._stations: list[Station] = []
+        self._station_numbers: dict[int, int] = {}
+        self._removals = gateway.table.removals
+        gateway.on_structure(self.forget)
+
+    def forget(self) -> None:
+        """Names may mean other rows, and rows other items."""
+        self._names.clear()
+        self._flags[:] = 0
+        self._stations.clear()
+        self._station_numbers.clear()
+        self._removals = self._gateway.table.removals
+
+    def refresh(self) -> None:
+        """Before a look-up: forget what is no longer true."""
+        if self._removals != self._gateway.table.removals:
+            self.forget()
+
+    # ------------------------------------------------------------------ names
+
+    def rows(self, encoded: Sequence[bytes]) -> list[int | None]:
+        """Row of each encoded NodeId that is remembered."""
+        return list(map(self._names.get, encoded))
+
+    def resolve(self, encoded: bytes, registered: Callable[[ua.NodeId], ua.NodeId]) -> int:
+        """Row of an encoded NodeId, ``UNKNOWN_NODE`` or ``FOREIGN``.
+
+        ``registered`` gives what a handle of the session stands for.
+        """
+        known = self._names.get(encoded)
+        if known is not None:
+            return known
+        text = _item_name(encoded)
+        if text is not None:
+            row = self._gateway.find(text)
+            if row is None:
+                exists = self._space.find(ua.NodeId(ua.String(text), ua.Int16(ITEMS))) is not None
+                return FOREIGN if exists else UNKNOWN_NODE
+            if len(encoded) <= MAX_NAME:
+                if len(self._names) >= MAX_NAMES:
+                    self._names.clear()
+                self._names[encoded] = row
+            return row
+        handle = _handle(encoded)
+        if handle is not None:
+            target = registered(handle)
+            row = None if target is handle else self._space.row(target)
+            if row is not None:
+                return row
+        return FOREIGN
+
+    # ------------------------------------------------------------------ facts
+
+    def flags(self, rows: Rows) -> NDArray[np.uint8]:
+        """Facts of each row, as the constants above."""
+        self._learn(rows)
+        return self._flags[rows]
+
+    def variant_types(self, rows: Rows) -> NDArray[np.uint8]:
+        """OPC UA type number that a single value of each row has; 0 for arrays. After :meth:`flags`."""
+        return self._types[rows]
+
+    def stations(self, rows: Rows) -> list[Station]:
+        """The PLCs of some rows. After :meth:`flags`."""
+        return [self._stations[n] for n in dict.fromkeys(self._station[rows].tolist())]
+
+    def station_numbers(self, rows: Rows) -> NDArray[np.int32]:
+        """For grouping: equal numbers are equal PLCs, see :meth:`station`. After :meth:`flags`."""
+        return self._station[rows]
+
+    def station(self, number: int) -> Station:
+        return self._stations[number]
+
+    def _learn(self, rows: Rows) -> None:
+        highest = int(rows.max(initial=-1))
+        if highest >= len(self._flags):
+            size = max(1024, 2 * (highest + 1))
+            for name in ("_flags", "_types", "_station"):
+                old = getattr(self, name)
+                column = np.zeros(size, old.dtype)
+                column[: len(old)] = old
+                setattr(self, name, column)
+        for row in rows[self._flags[rows] == 0].tolist():
+            self._learn_one(row)
+
+    def _learn_one(self, row: int) -> None:
+        gateway = self._gateway
+        item, station = gateway.item(row), gateway.station(row)
+        flags = KNOWN
+        if item.access & Access.R:
+            flags |= READABLE
+        if item.access & Access.W:
+            flags |= WRITABLE
+        if is_verbatim(item):
+            flags |= VERBATIM
+        if station.polled:
+            flags |= POLLED
+        if row in gateway.dynamic:
+            flags |= DYNAMIC
+        self._flags[row] = flags
+        self._types[row] = VARIANT_TYPES[item.data_type] if item.count == 1 else 0
+        number = self._station_numbers.get(id(station))
+        if number is None:
+            number = self._station_numbers[id(station)] = len(self._stations)
+            self._stations.append(station)
+        self._station[row] = number
+
+
+def _item_name(encoded: bytes) -> str | None:
+    """The text of a string NodeId of the items' namespace, if ``encoded`` is just that."""
+    if len(encoded) < _HEAD:
+        return None
+    kind, namespace, length = _STRING_HEAD.unpack_from(encoded)
+    if kind != 3 or namespace != ITEMS or length != len(encoded) - _HEAD:
+        return None
+    try:
+        return encoded[_HEAD:].decode()
+    except UnicodeDecodeError:
+        return None
+
+
+def _handle(encoded: bytes) -> ua.NodeId | None:
+    """A numeric NodeId of the system namespace, if ``encoded`` is just that: what RegisterNodes hands out."""
+    if len(encoded) == 4 and encoded.startswith(bytes((1, SYSTEM))):
+        return ua.NodeId(ua.Int32(int.from_bytes(encoded[2:], "little")), ua.Int16(SYSTEM))
+    if len(encoded) == 7 and encoded.startswith(bytes((2, SYSTEM, 0))):
+        return ua.NodeId(ua.Int32(int.from_bytes(encoded[3:], "little")), ua.Int16(SYSTEM))
+    return None
