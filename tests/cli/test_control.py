@@ -10,11 +10,10 @@ from pathlib import Path
 import pytest
 import pytest_asyncio
 
-from pcaccess.cli.serving import serve
-from pcaccess.clock import SystemClock
-from pcaccess.gateway.programs import load_programs
+from pcaccess.gateway.projectfile import ProjectFile
 from pcaccess.project.load import load_project
 from tests.cli.conftest import Command, Outcome, invoke
+from tests.gateways import start_gateway
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 
@@ -35,15 +34,11 @@ async def served(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[tupl
     folder = tmp_path_factory.mktemp("project")
     (folder / "copy.awl").write_text(COPY)
     (folder / "items.yaml").write_text(PROJECT)
-    loaded = load_project(folder / "items.yaml")
-    stop, url = asyncio.Event(), asyncio.get_running_loop().create_future()
-    tasks = asyncio.TaskGroup()
-    await tasks.__aenter__()
-    programs, path, endpoint = load_programs(loaded.project), folder / "items.yaml", "opc.tcp://127.0.0.1:0/test"
-    tasks.create_task(serve(loaded, programs, path, SystemClock(), stop, url.set_result, endpoint))
-    yield folder, await url
-    stop.set()
-    await tasks.__aexit__(None, None, None)
+    async with start_gateway(PROJECT, base=folder) as running:
+        # Not pcaccess.cli.serving: it would see a saved file by itself, now and then before the test asks for it.
+        path = folder / "items.yaml"
+        running.server.offer_reload(ProjectFile(running.gateway, path, load_project(path)).reload)
+        yield folder, running.url
 
 
 @pytest.fixture
@@ -116,7 +111,7 @@ async def test_a_changed_project_is_reloaded(command: Command, served: tuple[Pat
     folder, _ = served
     (folder / "items.yaml").write_text(PROJECT.replace("{name: A,", "{name: B, address: VW2}, {name: A,"))
     outcome = await command("reload")
-    assert (outcome.code, outcome.out) == (0, "1 items added, 0 changed, 0 removed\n")
+    assert (outcome.code, outcome.out) == (0, "1 item added\n")
     assert (await command("read", "L.Memory.B")).code == 0
 
 
