@@ -174,7 +174,7 @@ def test_programs_get_failures_and_traces(folder: Path) -> None:
     assert outcome == {
         "file": "fails.yaml",
         "passed": False,
-        "failures": [{"at": "0ms", "address": "Q0.0", "expected": "1", "actual": "0"}],
+        "failures": [{"at": "0ms", "address": "Q0.0", "expected": 1, "actual": 0}],
         "trace": [{"at": "0ms", "values": {"VW10": 1}}, {"at": "30ms", "values": {"VW10": 4}}],
     }
 
