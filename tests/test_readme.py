@@ -85,7 +85,9 @@ class Running:
 
 @pytest.fixture
 def plant(tmp_path: Path) -> Iterator[Path]:
-    """A folder with the sample project on a free port, served."""
+    """A folder with what the session uses of the clone; its sample project is served, on a free port."""
+    for name in ("examples", "tests"):
+        (tmp_path / name).symlink_to(ROOT / name)
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
