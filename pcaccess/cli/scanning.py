@@ -155,13 +155,16 @@ class Scanner:
         return self._clock.monotonic() - self._began < WATCHDOG
 
     async def run(self, places: Sequence[Place], view: View, period: float | None, duration: float | None) -> None:
-        """Scan every ``period`` seconds (None: freely) until ``duration`` is over or a fatal error ends it."""
+        """Scan every ``period`` seconds (None: freely), at least once, until ``duration`` is over.
+
+        A fatal error ends it too.
+        """
         clock, cpu = self._clock, self.cpu
         start = due = clock.monotonic()
         cpu.run(start * 1000)
         seen: dict[Place, Value] = {}
         told = 0
-        while duration is None or clock.monotonic() - start < duration:
+        while True:
             self._scan()
             values = {place: cpu.read(place.address, place.type) for place in places}
             changes = [(place, value) for place, value in values.items() if seen.get(place) != value]
@@ -173,6 +176,8 @@ class Scanner:
             if cpu.fatal is not None:
                 return
             due = max(due + (period or 0.0), clock.monotonic() + SHORTEST_PAUSE)
+            if duration is not None and due - start >= duration:
+                return
             await clock.sleep(due - clock.monotonic())
 
     def _scan(self) -> None:
