@@ -15,7 +15,14 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from enum import Enum
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
+
+_VISIBLE: Final = {
+    **{code: 0x2400 + code for code in range(0x20)},
+    **dict.fromkeys(range(128, 160), 65533),
+    0x7F: 0x2421,
+}
+"""Control characters become the symbols that stand for them: what is in a file never steers the terminal."""
 
 
 class Severity(Enum):
@@ -97,7 +104,7 @@ class Problem:
             parts.append(f"did you mean {self.nearest!r}?")
         kind = "warning " if self.severity is Severity.WARNING else ""
         where = f"{self.where}: " if self.where else ""
-        return f"{self.span}: {kind}{self.code} {where}{'; '.join(parts)}"
+        return f"{self.span}: {kind}{self.code} {where}{'; '.join(parts)}".translate(_VISIBLE)
 
     def as_json(self) -> dict[str, Any]:
         data = asdict(self)
@@ -136,7 +143,7 @@ def render(problem: Problem, text: str | None = None) -> str:
     lines = text.splitlines()
     if not 1 <= problem.span.line <= len(lines):
         return str(problem)
-    source = lines[problem.span.line - 1].replace("\t", " ")
+    source = lines[problem.span.line - 1].replace("\t", " ").translate(_VISIBLE)
     number = f"{problem.span.line:6d} | "
     carets = " " * (problem.span.column - 1) + "^" * max(1, min(problem.span.length, len(source)))
     shown = [str(problem), f"{number}{source}", f"{' ' * (len(number) - 2)}| {carets}"]

@@ -53,6 +53,11 @@ def test_a_tab_before_the_place_does_not_move_the_carets() -> None:
     ]
 
 
+def test_control_characters_of_a_file_never_reach_the_terminal() -> None:
+    shown = render(CODES.problem("X001", Span("f", 1, 6, 1), "no \x1b[2J"), "\x1b[31m\x00\x9bx")
+    assert shown.splitlines() == ["f:1:6: X001 no ␛[2J", "     1 | ␛[31m␀\ufffdx", "       |      ^"]
+
+
 def test_the_line_is_read_from_the_file_when_nobody_has_its_text(tmp_path: Path) -> None:
     path = tmp_path / "items.yaml"
     path.write_text("a\nbcd\n")
