@@ -31,6 +31,7 @@ log = logging.getLogger(__name__)
 
 _LONGEST_SWEEP: Final = 30.0
 """Seconds between looks for idle items, or a tenth of the idle time if that is less."""
+_MOST_TOLD: Final = 1000
 _NOWHERE: Final = Span("(client)", 1, 1)
 
 
@@ -53,6 +54,7 @@ class DynamicNames:
         self._index: _Index | None = None
         self._stations: Stations | None = None
         self._holders: list[Callable[[], Iterable[int]]] = []
+        self._told: set[str] = set()
 
     def hold(self, rows: Callable[[], Iterable[int]]) -> None:
         """``rows()`` are in use, subscribed for example, and stay however long nobody names them."""
@@ -74,6 +76,15 @@ class DynamicNames:
         """Items or PLCs came or went."""
         self._index = None
         self._stations = None
+        self._told.clear()
+
+    def _warn(self, text: str, why: str) -> None:
+        """Once per name: a client that asks ten times a second must not fill the log."""
+        if text not in self._told:
+            if len(self._told) >= _MOST_TOLD:
+                self._told.clear()
+            self._told.add(text)
+            log.warning("%s %s", text, why)
 
     def find(self, text: str) -> int | None:
         """Row of a run-time name; makes the item where the project allows it."""
@@ -106,7 +117,7 @@ class DynamicNames:
         fitting = self._stations.find(name)
         if len(fitting) > 1:
             names = " and ".join(plc.item_id for plc in fitting)
-            log.warning("%s fits %s; put the link's name in front", text, names)
+            self._warn(text, f"fits {names}; put the link's name in front")
             return None
         return self._gateway.stations.get(fitting[0].item_id) if fitting else None
 
@@ -140,7 +151,7 @@ class DynamicNames:
         if len(self._used) >= settings.max:
             self.sweep()
         if len(self._used) >= settings.max:
-            log.warning("%s is not made: there are already %d dynamic items", text, settings.max)
+            self._warn(text, f"is not made: there are already {settings.max} dynamic items")
             return None
         low, high = _limits(name)
         item = Item(
