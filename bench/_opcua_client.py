@@ -263,8 +263,8 @@ class Channel:
                 continue
             if result.StatusCode is not None:
                 result.StatusCode.check()
-            if result.SourceTimestamp is None or result.Value is None:
-                raise WrongAnswer("a value without time stamp")
+            if result.Value is None:
+                raise WrongAnswer("a result without a value")
 
     def _receive(self, size: int) -> bytes:
         data = b""

@@ -201,8 +201,10 @@ def memory_of(name: str, items: int, peers: Path) -> int:
 # ---------------------------------------------------------------------- the verdict
 
 
-def targets_of(report: Report) -> list[dict[str, Any]]:
+def targets_of(report: Report, servers: Sequence[str]) -> list[dict[str, Any]]:
     """A target without a figure of ours does not hold; one without a figure of anybody else is not judged."""
+    if OURS not in servers:
+        return []
     targets = []
     for row, least in RATES.items():
         others = [rate for server, rate in report.rates.get(row, {}).items() if server != OURS]
@@ -296,7 +298,7 @@ def run_inside(options: argparse.Namespace) -> int:
         asyncio.run(make_certificates(Path(folder), options.servers))
         report = measure(options, options.servers, Path(folder))
     report.notes[:0] = options.missing
-    targets = targets_of(report)
+    targets = targets_of(report, options.servers)
     if options.json:
         figures = {"rates": report.rates, "latencies": report.latencies, "memory": report.memory}
         print(json.dumps({"targets": targets, "missing": report.notes, **figures}))
