@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -65,6 +66,14 @@ def complain(text: str) -> None:
 def note(text: str) -> None:
     """A remark for people on standard error, so that standard output stays what was asked for."""
     Console(stderr=True, highlight=False, soft_wrap=True).print(Text(text, "dim"))
+
+
+@contextmanager
+def working(text: str) -> Iterator[None]:
+    """Says on a terminal what takes its time, and is gone afterwards."""
+    stderr = Console(stderr=True)
+    with stderr.status(text) if stderr.is_terminal else nullcontext():
+        yield
 
 
 def show_table(columns: Sequence[Column], rows: Sequence[Row]) -> None:

@@ -161,6 +161,7 @@ class Scanner:
         """
         clock, cpu = self._clock, self.cpu
         start = due = clock.monotonic()
+        first: float | None = None
         cpu.run(start * 1000)
         seen: dict[Place, Value] = {}
         told = 0
@@ -169,7 +170,8 @@ class Scanner:
             values = {place: cpu.read(place.address, place.type) for place in places}
             changes = [(place, value) for place, value in values.items() if seen.get(place) != value]
             seen = values
-            view.show((self._began - start) * 1000, changes, self.status)
+            first = self._began if first is None else first
+            view.show((self._began - first) * 1000, changes, self.status)
             for record in cpu.errors[told:]:
                 view.error(record)
             told = len(cpu.errors)

@@ -10,6 +10,8 @@ import pytest
 import pytest_asyncio
 from asyncua import Server, ua
 
+from pcaccess.cli.failures import Failed
+from pcaccess.cli.remote import connect
 from tests.cli.conftest import Command, Outcome, invoke
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
@@ -103,3 +105,17 @@ async def test_what_is_no_opc_ua_server_is_told() -> None:
     assert outcome.code == 1
     assert outcome.err.startswith("pcaccess: ")
     assert "pcaccess run" in outcome.err
+
+
+async def test_a_server_that_never_answers_is_told() -> None:
+    async def be_silent(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        await reader.read()
+        writer.close()
+
+    server = await asyncio.start_server(be_silent, "127.0.0.1", 0)
+    port = server.sockets[0].getsockname()[1]
+    async with server:
+        with pytest.raises(Failed) as caught:
+            async with connect(f"opc.tcp://127.0.0.1:{port}", patience=0.05):
+                pass
+    assert "answered like an OPC UA server within 0.05 s" in str(caught.value)

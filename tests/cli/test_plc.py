@@ -189,6 +189,14 @@ def test_a_scenario_that_cannot_be_read_says_why_and_the_others_run(folder: Path
     assert outcome.lines[-2:] == ["passes.yaml: passed, 2 scans", "3 scenarios, 2 failed"]
 
 
+def test_a_run_time_error_that_no_step_names_is_told(folder: Path) -> None:
+    (folder / "pointer.awl").write_text(COPY.replace("INCW VW10", "MOVW *AC1, VW10"))
+    (folder / "pointer.yaml").write_text("program: pointer.awl\nsteps: [{at: 20ms, expect: {Q0.0: 0}}]\n")
+    outcome = invoke("plc", "scenario", "pointer.yaml")
+    assert (outcome.code, outcome.lines[0]) == (0, "pointer.yaml: passed, 3 scans")
+    assert outcome.lines[1].startswith("  pointer.awl:8:1: 0006 ")
+
+
 def test_junit_has_a_case_for_each_file(folder: Path) -> None:
     for name, text in (("passes", PASSES), ("fails", FAILS), ("broken", "steps: 1\n")):
         (folder / f"{name}.yaml").write_text(text)
