@@ -60,9 +60,11 @@ def import_(
     if as_json and output is None:
         raise typer.BadParameter("--json needs -o FILE, as the project itself is printed without it")
     code_page = known_encoding(encoding)
+    target = PROJECT_FILE if output is None else str(output)
     with working(f"reading {source}"):
         result = import_file(
             source,
+            target=target,
             kind=Kind(kind.value),
             link=link,
             plc=plc,
@@ -70,7 +72,7 @@ def import_(
             encoding=code_page,
             max_size=MAX_SIZE if max_size is None else max_size * 1_000_000,
         )
-    show_problems(result.warnings, stderr=True)
+    show_problems(result.warnings, stderr=True, texts={target: result.yaml_text})
     content = {"plcs": result.counts.plcs, "folders": result.counts.folders, "items": result.counts.items}
     left_out = result.counts.left_out
     if output is None:

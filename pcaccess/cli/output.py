@@ -21,8 +21,8 @@ from rich.table import Table
 from rich.text import Text
 
 from pcaccess.cli.failures import Failed
-from pcaccess.codepage import guess_code_page
 from pcaccess.problems import Problem, render
+from pcaccess.project.textfile import TextError, decode_table
 
 GAP: Final = "  "
 STYLES: Final = {"good": "green", "uncertain": "yellow", "bad": "red", "dim": "dim"}
@@ -148,7 +148,7 @@ def show_problems(problems: Iterable[Problem], *, stderr: bool, texts: Mapping[s
 
 
 class _Sources:
-    """Files that problems are in, each read once; what cannot be read is empty."""
+    """Files that problems are in, each read once; what cannot be read, or is no text, is empty."""
 
     def __init__(self, texts: Mapping[str, str]) -> None:
         self._texts = dict(texts)
@@ -156,18 +156,10 @@ class _Sources:
     def text(self, file: str) -> str:
         if file not in self._texts:
             try:
-                self._texts[file] = _decoded(Path(file).read_bytes())
-            except OSError:
+                self._texts[file] = decode_table(Path(file).read_bytes())
+            except (OSError, TextError):
                 self._texts[file] = ""
         return self._texts[file]
-
-
-def _decoded(data: bytes) -> str:
-    """Text of a project file (UTF-8) or of a program or table in the code page of its PC."""
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return data.decode(guess_code_page(data), errors="replace")
 
 
 # ---------------------------------------------------------------------- for programs
