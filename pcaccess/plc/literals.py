@@ -130,7 +130,12 @@ class Expectation:
 def exactly(target: Target, text: str, quoted: bool) -> Expectation:
     """``VW10: -5``"""
     kind, value = parse_value(text, quoted, target)
-    return Expectation(target, kind, value, shown=text)
+    return Expectation(target, kind, value, shown=quote(text) if quoted else text)
+
+
+def quote(text: str) -> str:
+    """A STRING for people and XML: characters that cannot be printed as STL writes them, ``$01``."""
+    return '"' + "".join(sign if sign.isprintable() else f"${ord(sign):02X}" for sign in text) + '"'
 
 
 def between(target: Target, low: str | None, high: str | None) -> Expectation:

@@ -19,7 +19,7 @@ from pcaccess.plc.cpu import Mode
 from pcaccess.plc.errorlog import ErrorRecord
 from pcaccess.plc.executor import MakeExecutor
 from pcaccess.plc.interpreter import Interpreter
-from pcaccess.plc.literals import plain_type
+from pcaccess.plc.literals import plain_type, quote
 from pcaccess.plc.scenario import Scenario, Step
 from pcaccess.plc.session import Session
 from pcaccess.problems import Problem, Span
@@ -168,6 +168,8 @@ def _plain(value: Value) -> Value:
 def _shown(value: Value) -> str:
     if isinstance(value, bool):
         return str(int(value))
+    if isinstance(value, str):
+        return quote(value)
     return f"{value:.9g}" if isinstance(value, float) else str(value)
 
 

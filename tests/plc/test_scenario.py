@@ -236,5 +236,12 @@ def test_junit_counts_and_names_failures(folder: Path) -> None:
     assert [case.find("failure") is None for case in suite] == [True, False]
 
 
+def test_a_text_that_cannot_be_printed_does_not_break_junit(folder: Path) -> None:
+    bad = run(folder, '  - {at: 0ms, expect: {VB400: "abc"}}', data='"VB400 3,1,65,0"')
+    assert failures(bad) == ['test.yaml:4:6: at 0ms: VB400 is "$01A$00", expected "abc"']
+    suite = ElementTree.fromstring(junit([bad]))
+    assert failures(bad) == [failure.text for failure in suite.iter("failure")]
+
+
 def test_mode_names_are_those_of_the_cpu() -> None:
     assert set(Mode.__members__) == {"RUN", "STOP"}
