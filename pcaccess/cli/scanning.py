@@ -168,7 +168,7 @@ class Scanner:
         while True:
             self._scan()
             values = {place: cpu.read(place.address, place.type) for place in places}
-            changes = [(place, value) for place, value in values.items() if seen.get(place) != value]
+            changes = [(place, value) for place, value in values.items() if not _same(seen.get(place), value)]
             seen = values
             first = self._began if first is None else first
             view.show((self._began - first) * 1000, changes, self.status)
@@ -188,6 +188,11 @@ class Scanner:
         took = (self._clock.monotonic() - self._began) * 1000
         longest = max(self.status.longest, took)
         self.status = Status(self.cpu.mode.value, self.cpu.scans, took, longest)
+
+
+def _same(before: Value | None, value: Value) -> bool:
+    """A REAL that is no number stays what it is, although it equals nothing."""
+    return before == value or (before != before and value != value)
 
 
 # ---------------------------------------------------------------------- views

@@ -8,6 +8,7 @@ Not here: reading them (``pcaccess.plc.scenario``), the command (``pcaccess.cli.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
@@ -162,6 +163,9 @@ class _Run:
 
 
 def _plain(value: Value) -> Value:
+    """For JSON, which has no NaN: a text then, as in OPC UA Part 6, JSON encoding."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return "NaN" if math.isnan(value) else "Infinity" if value > 0 else "-Infinity"
     return int(value) if isinstance(value, bool) else value
 
 

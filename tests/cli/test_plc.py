@@ -257,6 +257,11 @@ async def test_scans_follow_each_other_and_changes_are_shown() -> None:
     assert (scanner.status.mode, scanner.status.scans) == ("RUN", 5)
 
 
+async def test_a_real_that_is_no_number_is_shown_once() -> None:
+    _, seen = await scanned("LD SM0.1\nMOVD 16#7FC00000, VD20\n", ["VD20:REAL"])
+    assert [(at, name) for at, name, _ in seen.seen] == [(0, "VD20")]
+
+
 async def test_a_run_time_error_is_told_once_and_does_not_stop() -> None:
     scanner, seen = await scanned(COPY.replace("INCW VW10", "MOVW *AC1, VW10"), [])
     assert [error.split()[0] for error in seen.errors] == ["test.awl:8:1:"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -241,6 +242,12 @@ def test_a_text_that_cannot_be_printed_does_not_break_junit(folder: Path) -> Non
     assert failures(bad) == ['test.yaml:4:6: at 0ms: VB400 is "$01A$00", expected "abc"']
     suite = ElementTree.fromstring(junit([bad]))
     assert failures(bad) == [failure.text for failure in suite.iter("failure")]
+
+
+@pytest.mark.parametrize(("dword", "told"), [("7FC00000", "NaN"), ("7F800000", "Infinity"), ("FF800000", "-Infinity")])
+def test_what_json_has_no_number_for_is_a_text(folder: Path, dword: str, told: str) -> None:
+    bad = run(folder, f"  - {{at: 0ms, set: {{VD20: 16#{dword}}}, expect: {{VD20: 1.5}}}}")
+    assert json.dumps(bad.as_json()["failures"], allow_nan=False).endswith(f'"actual": "{told}"}}]')
 
 
 def test_mode_names_are_those_of_the_cpu() -> None:
