@@ -21,8 +21,8 @@ from rich.table import Table
 from rich.text import Text
 
 from pcaccess.cli.failures import Failed
-from pcaccess.problems import Problem, render
-from pcaccess.project.textfile import TextError, decode_table
+from pcaccess.problems import Problem, Span, render_line
+from pcaccess.project.textfile import TextError, decode_table, read_bytes
 
 GAP: Final = "  "
 STYLES: Final = {"good": "green", "uncertain": "yellow", "bad": "red", "dim": "dim"}
@@ -141,25 +141,27 @@ def show_problems(problems: Iterable[Problem], *, stderr: bool, texts: Mapping[s
     out = Console(stderr=stderr, highlight=False, soft_wrap=True)
     sources = _Sources(texts or {})
     for problem in problems:
-        head, *rest = render(problem, sources.text(problem.span.file)).splitlines()
+        line = sources.line(problem.span)
+        head, *rest = (str(problem) if line is None else render_line(problem, line)).splitlines()
         out.print(Text(head, "bold red" if problem.is_error else "bold yellow"))
         for line in rest:
             out.print(Text(line))
 
 
 class _Sources:
-    """Files that problems are in, each read once; what cannot be read, or is no text, is empty."""
+    """Lines of the files that problems are in, each read once; what cannot be read, or is no text, has none."""
 
     def __init__(self, texts: Mapping[str, str]) -> None:
-        self._texts = dict(texts)
+        self._lines = {file: text.splitlines() for file, text in texts.items()}
 
-    def text(self, file: str) -> str:
-        if file not in self._texts:
+    def line(self, span: Span) -> str | None:
+        if span.file not in self._lines:
             try:
-                self._texts[file] = decode_table(Path(file).read_bytes())
-            except (OSError, TextError):
-                self._texts[file] = ""
-        return self._texts[file]
+                self._lines[span.file] = decode_table(read_bytes(Path(span.file))).splitlines()
+            except TextError:
+                self._lines[span.file] = []
+        lines = self._lines[span.file]
+        return lines[span.line - 1] if 1 <= span.line <= len(lines) else None
 
 
 # ---------------------------------------------------------------------- for programs
