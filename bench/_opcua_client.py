@@ -312,6 +312,9 @@ class Channel:
         buffer, at, done = self._in, 0, 0
         with memoryview(buffer) as view:
             got = self._socket.recv_into(view[self._filled :])
+        # The kernel forgets this at will. Without it a server that leaves Nagle's algorithm on (node-opcua) waits 40 ms
+        # for an acknowledgement after every few small answers.
+        self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_QUICKACK, 1)
         if not got:
             raise WrongAnswer("the server closed the connection")
         filled = self._filled + got
