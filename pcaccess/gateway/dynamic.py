@@ -41,6 +41,8 @@ class _Index:
 
     names: dict[str, int] = field(default_factory=dict)
     """Casefolded run-time name."""
+    unlinked: dict[str, int | None] = field(default_factory=dict)
+    """The same without the link, of items that only their whole name tells: scaled and simulated ones. None: of two."""
     places: dict[tuple[str, str, DataType], list[int]] = field(default_factory=dict)
     """Station, address and served type."""
 
@@ -95,8 +97,12 @@ class DynamicNames:
         try:
             name = parse_run_time_name(text)
         except RunTimeNameError as error:
-            log.debug("%s is no run-time name: %s", text, error)
-            return None
+            row = self._indexed().unlinked.get(text.casefold())
+            if row is None:
+                log.debug("%s is no run-time name: %s", text, error)
+            else:
+                self.touch(row)
+            return row
         station = self._station(name, text)
         if station is None:
             return None
@@ -135,7 +141,11 @@ class DynamicNames:
             self._index = _Index()
             for station in self._gateway.stations.values():
                 for row, item in station.items():
-                    self._index.names.setdefault(item.run_time_name.casefold(), row)
+                    name = item.run_time_name.casefold()
+                    self._index.names.setdefault(name, row)
+                    if item.scaling is not None or not isinstance(item.address, Address):
+                        unlinked = name.partition(":")[2]
+                        self._index.unlinked[unlinked] = None if unlinked in self._index.unlinked else row
                     place = (station.name, str(item.address), item.data_type)
                     self._index.places.setdefault(place, []).append(row)
         return self._index

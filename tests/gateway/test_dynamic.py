@@ -42,6 +42,7 @@ async def test_the_run_time_name_of_an_item_is_the_same_item(gateway: MakeGatewa
         assert row is not None
         assert g.find(g.item(row).run_time_name) == row
         assert g.find(g.item(row).run_time_name.upper()) == row
+        assert g.find(g.item(row).run_time_name.removeprefix("MicroWin:")) == row
     assert g.find("2,vw0,int") == g.find("MicroWin.P.Temperature")
     assert len(g.dynamic) == 0
 
