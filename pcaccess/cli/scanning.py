@@ -20,10 +20,10 @@ from pcaccess.items.varianttypes import VARIANT_TYPES
 from pcaccess.links.scanning import SHORTEST_PAUSE, WATCHDOG
 from pcaccess.plc.cpu import Cpu
 from pcaccess.plc.errorlog import ErrorRecord
-from pcaccess.plc.literals import LiteralError, Target, parse_target, parse_value, plain_type
-from pcaccess.s7200.address import Address, AddressError, Area
+from pcaccess.plc.literals import LiteralError, Target, parse_target, parse_typed, parse_value, plain_type
+from pcaccess.s7200.address import Address, Area
 from pcaccess.s7200.cpu import CpuModel
-from pcaccess.s7200.types import DATA_TYPE_NAMES, DataType, Value
+from pcaccess.s7200.types import DataType, Value
 from pcaccess.stl.program import Program
 from pcaccess.stl.xref import cross_reference
 
@@ -70,21 +70,11 @@ class Place:
 
 def parse_place(text: str, program: Program, model: CpuModel) -> Place:
     """``Q0.0``, a symbol, or with a type ``VD20:REAL``. Raises BadParameter."""
-    name, _, word = text.partition(":")
     try:
-        target = parse_target(name.strip(), model, program.symbols)
-        kind = plain_type(target) if not word else _type(word)
-        address = target.address.as_type(kind)
-    except (LiteralError, AddressError) as error:
+        target, kind = parse_typed(text, model, program.symbols)
+    except LiteralError as error:
         raise typer.BadParameter(str(error)) from None
-    return Place(address, kind, program.symbols.name_of(address) or "")
-
-
-def _type(word: str) -> DataType:
-    kind = DATA_TYPE_NAMES.get(word.strip().upper())
-    if kind is None:
-        raise LiteralError(f"there is no type {word}; types are {', '.join(DATA_TYPE_NAMES)}")
-    return kind
+    return Place(target.address, kind, program.symbols.name_of(target.address) or "")
 
 
 def places_of(program: Program) -> list[Place]:

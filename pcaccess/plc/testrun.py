@@ -20,7 +20,7 @@ from pcaccess.plc.cpu import Mode
 from pcaccess.plc.errorlog import ErrorRecord
 from pcaccess.plc.executor import MakeExecutor
 from pcaccess.plc.interpreter import Interpreter
-from pcaccess.plc.literals import plain_type, quote
+from pcaccess.plc.literals import quote
 from pcaccess.plc.scenario import Scenario, Step
 from pcaccess.plc.session import Session
 from pcaccess.problems import Problem, Span
@@ -159,7 +159,7 @@ class _Run:
 
     def _values(self) -> dict[str, Value]:
         cpu = self.session.cpu
-        return {t.text: _plain(cpu.read(t.address, plain_type(t))) for t in self.scenario.trace}
+        return {place.text: _plain(cpu.read(place.address, kind)) for place, kind in self.scenario.trace}
 
 
 def _plain(value: Value) -> Value:

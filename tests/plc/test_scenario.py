@@ -169,6 +169,18 @@ def test_the_trace_has_the_values_after_every_step(folder: Path) -> None:
     ]
 
 
+def test_a_traced_place_may_have_a_type(folder: Path) -> None:
+    steps = '  - {at: 0ms, set: {VD20: 1.5, VB30: "hi"}}'
+    outcome = run(folder, steps, trace="[VD20:REAL, VB30:string, VD20:DINT]")
+    assert outcome.as_json()["trace"][0]["values"] == {"VD20:REAL": 1.5, "VB30:string": "hi", "VD20:DINT": 0x3FC00000}
+
+
+@pytest.mark.parametrize("place", ["VW20:REAL", "VD20:FLOAT", "VD20:"])
+def test_a_traced_place_has_a_type_that_fits(folder: Path, place: str) -> None:
+    with pytest.raises(ProblemError, match="SCN005"):
+        read(folder, "  - {at: 0ms}", trace=f'["{place}"]')
+
+
 def test_scan_load_spreads_over_the_networks(folder: Path) -> None:
     (folder / "late.awl").write_text("NETWORK 1\nLD SM0.0\nTON T32, 3\nNETWORK 2\nLD T32\n= Q0.0\n")
     assert run(folder, "  - {at: 0ms, expect: {Q0.0: 0}}", "late.awl", scan_load="4ms").passed
