@@ -188,7 +188,7 @@ def parse_address(text: str) -> Address:
         offset = int(match["off"])
         if offset % 2:
             raise AddressError(
-                f"{text}: analog words have even addresses; {name}{offset - 1} and {name}{offset + 1} exist"
+                f"{text}: analog words have even addresses, for example {name}{offset - 1} or {name}{offset + 1}"
             )
         return Address(_AREA_NAMES[name[:2]], offset, Width.WORD, 0, count)
     area = _AREA_NAMES[name]
