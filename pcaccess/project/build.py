@@ -27,7 +27,7 @@ from pcaccess.project.model import (
     SerialLine,
     Server,
 )
-from pcaccess.project.network import check_endpoint, check_listen, check_server_endpoint
+from pcaccess.project.network import check_endpoint, check_listen, check_server_endpoint, check_web
 from pcaccess.project.yamltext import Node, Sequence
 
 MAX_HINTS: Final = 20
@@ -65,7 +65,9 @@ class _Builder:
 
     def _server(self, source: raw.RawServer, node: Node) -> Server:
         endpoint = self._context.checked(check_server_endpoint, source.endpoint, node, "endpoint", Server().endpoint)
-        return Server(endpoint, self._context.duration(source.read_timeout, node, "read_timeout"))
+        timeout = self._context.duration(source.read_timeout, node, "read_timeout")
+        web = self._context.checked(check_web, source.web, node, "web", None)
+        return Server(endpoint, timeout, web, web_is_wished="web" in source.model_fields_set)
 
     def _dynamic_items(self, source: raw.RawDynamicItems, node: Node) -> DynamicItems:
         access = find_access(source.access, self._context.where(node), "access", self._findings)
@@ -126,8 +128,7 @@ class _Builder:
                     "PRJ032",
                     node,
                     "type",
-                    f"this version checks {kind.value} links but does not run them; "
-                    f"{count} item{'s stay' if count > 1 else ' stays'} NOT_CONNECTED",
+                    f"this version checks {kind.value} links but does not run them; {count} items stay NOT_CONNECTED",
                 )
         if name is None:
             return None

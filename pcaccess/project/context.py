@@ -68,7 +68,7 @@ class Context:
         try:
             return check(text)
         except OpenEndpointError as error:
-            self.report("PRJ027", node, key, str(error), expected="opc.tcp://127.0.0.1:4840/pcaccess or the like")
+            self.report("PRJ027", node, key, str(error), expected=f"{error.expected} or the like")
         except NetworkError as error:
             self.report(code, node, key, str(error))
         return default

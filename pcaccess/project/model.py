@@ -18,6 +18,7 @@ from typing import Final
 
 from pcaccess.problems import Span
 from pcaccess.project.access import Access
+from pcaccess.project.network import DEFAULT_WEB
 from pcaccess.s7200.address import Address
 from pcaccess.s7200.cpu import CpuModel
 from pcaccess.s7200.types import DataType
@@ -298,6 +299,10 @@ class Server:
     endpoint: str = "opc.tcp://127.0.0.1:4840/pcaccess"
     read_timeout: float = 2.0
     """Longest wait for a device read that a client's Read asked for."""
+    web: str | None = DEFAULT_WEB
+    """``host:port`` of the web server; None is off."""
+    web_is_wished: bool = False
+    """The project says where; otherwise the place is only the usual one, and the gateway can do without."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,9 +13,17 @@ class NetworkError(ValueError):
 
 
 class OpenEndpointError(NetworkError):
-    """The endpoint could be reached from other machines."""
+    """The endpoint could be reached from other machines; ``expected`` is one that could not."""
+
+    def __init__(self, message: str, expected: str) -> None:
+        super().__init__(message)
+        self.expected = expected
 
 
+DEFAULT_WEB: Final = "127.0.0.1:8080"
+_NO_USERS: Final = "This version has no users and no certificates, so it serves this machine only"
+_OFF: Final = ("off", "false", "no")
+_ON: Final = ("on", "true", "yes")
 _HOST: Final = re.compile(r"[A-Za-z0-9]([A-Za-z0-9_-]*[A-Za-z0-9])?(\.[A-Za-z0-9]([A-Za-z0-9_-]*[A-Za-z0-9])?)*")
 _TSAP: Final = re.compile(r"([0-9A-F]{2})\.?([0-9A-F]{2})", re.IGNORECASE)
 
@@ -25,10 +33,24 @@ def check_server_endpoint(text: str) -> str:
     host = check_endpoint(text)
     if not is_loopback(host):
         raise OpenEndpointError(
-            f"{text} would be open to everybody on the network. This version has no users and no certificates, "
-            "so it serves this machine only"
+            f"{text} would be open to everybody on the network. {_NO_USERS}", "opc.tcp://127.0.0.1:4840/pcaccess"
         )
     return text
+
+
+def check_web(text: str) -> str | None:
+    """``host:port`` of our own web server, None for ``off``. Raises OpenEndpointError as above."""
+    word = text.strip().lower()
+    if word in _OFF:
+        return None
+    if word in _ON:
+        return DEFAULT_WEB
+    host, _, port = text.strip().rpartition(":")
+    if not _HOST.fullmatch(host) or not port.isdecimal() or int(port) > 65535:
+        raise NetworkError(f"{text!r}; expected HOST:PORT such as {DEFAULT_WEB}, or off")
+    if not is_loopback(host):
+        raise OpenEndpointError(f"{text} would be open to everybody on the network. {_NO_USERS}", DEFAULT_WEB)
+    return f"{host}:{port}"
 
 
 def check_endpoint(text: str) -> str:

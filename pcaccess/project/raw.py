@@ -14,6 +14,7 @@ from typing import Annotated, Any, Final, Literal
 from pydantic import Field
 
 from pcaccess.project.durations import PATTERN
+from pcaccess.project.network import DEFAULT_WEB
 from pcaccess.project.rawitems import (
     FOLDERS,
     ITEMS,
@@ -263,11 +264,20 @@ LINK_MODELS: Final[dict[str, type[AnyLink]]] = {
 
 
 class RawServer(Raw):
-    """The OPC UA server."""
+    """The OPC UA server and the web server."""
 
     endpoint: Annotated[str, Field(description="Where clients find it; for now only on this machine (127.0.0.1).")] = (
         "opc.tcp://127.0.0.1:4840/pcaccess"
     )
+    web: Annotated[
+        str,
+        Field(
+            description="HOST:PORT of REST, websocket and metrics, for now only on this machine; off does without. "
+            "Left out, they are at 127.0.0.1:8080 unless another program is there.",
+            examples=["127.0.0.1:8080", "off"],
+            json_schema_extra={"anyOf": [{"type": "string"}, {"type": "boolean"}], "type": None},
+        ),
+    ] = DEFAULT_WEB
     read_timeout: Annotated[
         str,
         Field(

@@ -188,6 +188,38 @@ def test_an_endpoint_on_this_machine_is_taken(host: str) -> None:
     assert project.server.endpoint == f"opc.tcp://{host}:4840"
 
 
+@pytest.mark.parametrize(
+    ("written", "place", "wished"),
+    [
+        ("", "127.0.0.1:8080", False),
+        ("web: off", None, True),
+        ("web: Off", None, True),
+        ("web: on", "127.0.0.1:8080", True),
+        ("web: 127.0.0.1:8081", "127.0.0.1:8081", True),
+        ("web: 'localhost:0'", "localhost:0", True),
+    ],
+)
+def test_the_web_server_is_off_by_one_key(written: str, place: str | None, wished: bool) -> None:
+    server = load_text(f"server: {{{written}}}\nlinks: []").project.server
+    assert (server.web, server.web_is_wished) == (place, wished)
+
+
+@pytest.mark.parametrize(
+    ("written", "code"),
+    [
+        ("0.0.0.0:80", "PRJ027"),
+        ("plant.example:80", "PRJ027"),
+        ("'8080'", "PRJ028"),
+        ("'h:99999'", "PRJ028"),
+        ("''", "PRJ028"),
+    ],
+)
+def test_a_web_server_beyond_this_machine_or_nowhere_is_refused(written: str, code: str) -> None:
+    (line,) = errors(f"server: {{web: {written}}}\nlinks: []")
+    assert code in line
+    assert "127.0.0.1:8080" in line
+
+
 # -- files ---------------------------------------------------------------------------------------------------------
 
 

@@ -57,13 +57,12 @@ def import_file(
     folder: str | None = None,
     encoding: str | None = None,
     max_size: int = MAX_SIZE,
-    target: str = "items.yaml",
 ) -> ImportResult:
     """The project that ``source`` describes.
 
     ``link``, ``plc`` and ``folder`` name what symbol tables and tag tables do not say; a symbol table goes into a
     folder of its file's name unless ``folder`` says otherwise (empty: none). ``encoding`` is for files whose letters
-    come out wrong. ``target`` is the file that problems of the new project name.
+    come out wrong.
     """
     try:
         found, draft = _read(source, read_bytes(source, max_size), kind, link, plc, folder, encoding)
@@ -75,7 +74,7 @@ def import_file(
             [*_refusal(source, TextError("there is no item in it that an S7-200 could have")), *draft.warnings]
         )
     text = yaml_of(draft, source.stem)
-    loaded = load_text(text, target)
+    loaded = load_text(text, "items.yaml")
     warnings = sorted((*draft.warnings, *loaded.warnings), key=lambda problem: problem.span)
     return ImportResult(found, text, tuple(warnings), _counts(loaded.project, draft.left_out))
 
