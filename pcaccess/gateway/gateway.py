@@ -188,14 +188,21 @@ class Gateway:
 
     # ------------------------------------------------------------------ values
 
-    async def read(self, rows: Sequence[int], max_age: float = 0.0) -> None:
-        """Make the samples of ``rows`` no older than a reader wants (``max_age`` in seconds)."""
-        self.freshen(rows)
+    def stations_of(self, rows: Iterable[int]) -> tuple[Station, ...]:
+        """The PLCs of these rows, each once."""
+        return tuple({id(s): s for s in map(self.station, rows)}.values())
 
-    def freshen(self, rows: Iterable[int]) -> None:
+    async def read(self, rows: Sequence[int], max_age: float = 0.0, stations: Iterable[Station] | None = None) -> None:
+        """Make the samples of ``rows`` no older than a reader wants (``max_age`` in seconds).
+
+        ``stations``: those of the rows, from a reader that asks for the same again and again and has kept them.
+        """
+        self.freshen(rows, stations)
+
+    def freshen(self, rows: Iterable[int], stations: Iterable[Station] | None = None) -> None:
         """Stamp what needs no polling; enough for a reader that must not wait."""
         now = self.now()
-        for station in {id(s): s for s in map(self.station, rows)}.values():
+        for station in self.stations_of(rows) if stations is None else stations:
             station.freshen(now)
 
     def sample(self, row: int) -> Sample:

@@ -57,11 +57,35 @@ class Quality(Enum):
         return self.value[2] | (INFO_TYPE_DATA_VALUE | limit << 8 if limit else 0)
 
     @property
+    def status_name(self) -> str:
+        """The UA StatusCode's name in the specification."""
+        return _STATUS_NAMES[self.value[2]]
+
+    @property
     def is_good(self) -> bool:
         return self.code >= 192
 
 
 INFO_TYPE_DATA_VALUE: Final = 0x0400
+_STATUS_NAMES: Final = MappingProxyType(
+    {
+        0x00000000: "Good",
+        0x00960000: "GoodLocalOverride",
+        0x40000000: "Uncertain",
+        0x40900000: "UncertainLastUsableValue",
+        0x40930000: "UncertainSensorNotAccurate",
+        0x40940000: "UncertainEngineeringUnitsExceeded",
+        0x40950000: "UncertainSubNormal",
+        0x80000000: "Bad",
+        0x80310000: "BadNoCommunication",
+        0x80320000: "BadWaitingForInitialData",
+        0x80890000: "BadConfigurationError",
+        0x808A0000: "BadNotConnected",
+        0x808B0000: "BadDeviceFailure",
+        0x808C0000: "BadSensorFailure",
+        0x808D0000: "BadOutOfService",
+    }
+)
 _LIMIT_BITS: Final = 0x0300
 
 BY_CODE: Final = MappingProxyType({q.code: q for q in Quality})

@@ -91,6 +91,8 @@ class ItemTable:
         self._listeners: list[Listener] = []
         self.counter = 0
         """Number of the last change of anything; a row's own number is in :meth:`changed`."""
+        self.moves = 0
+        """Grows whenever any sample may have changed, be it only its time: an answer made before is then old."""
         self.generation = 0
         """Grows whenever rows go, come, or move: whoever keeps places of records must look them up again."""
         self.removals = 0
@@ -235,6 +237,10 @@ class ItemTable:
         """DA code with limit bits."""
         return int(self._quality[row])
 
+    def quality_codes(self, rows: Rows) -> NDArray[np.uint16]:
+        """DA code with limit bits of each row."""
+        return self._quality[rows]
+
     def is_not_good(self, rows: Rows) -> NDArray[np.bool_]:
         """Which rows have another quality than GOOD without limit bits."""
         bad: NDArray[np.bool_] = self._quality[rows] != Quality.GOOD.code
@@ -270,10 +276,6 @@ class ItemTable:
         """Records of one kind; replaced by a larger array when ``generation`` grows."""
         return self._blocks[kind]
 
-    def buffer(self, kind: int) -> memoryview:
-        """The bytes of :meth:`block`."""
-        return self._buffers[kind]
-
     def object_variant(self, place: int) -> bytes:
         """Encoded variant of a string or array at ``place`` of the object block."""
         return self._objects[place]
@@ -303,6 +305,7 @@ class ItemTable:
 
     def put_number(self, row: int, value: float, now: int) -> None:
         """A good sample of one single value, many times faster than an array of one."""
+        self.moves += 1
         kind = int(self._kind[row])
         layout, buffer = LAYOUTS[kind], self._buffers[kind]
         at = int(self._place[row]) * layout.size
@@ -333,6 +336,7 @@ class ItemTable:
             self.put_number(row, value, now)  # type: ignore[arg-type]
 
     def _finish(self, rows: Rows, differs: NDArray[np.bool_], places: _Places, block: NDArray[Any], now: int) -> None:
+        self.moves += 1
         block["source"][places] = now
         block["server"][places] = now
         differs = differs | (self._quality[rows] != Quality.GOOD.code)
@@ -344,6 +348,7 @@ class ItemTable:
 
     def stamp(self, rows: Rows | RowSet, now: int) -> None:
         """The PLC was read and nothing changed: only the times of these rows move."""
+        self.moves += 1
         members = rows if isinstance(rows, RowSet) else RowSet(rows)
         for kind, places in members.placed(self):
             self._blocks[kind]["source"][places] = now
@@ -351,12 +356,14 @@ class ItemTable:
 
     def stamp_one(self, row: int, now: int) -> None:
         """The same for one single value."""
+        self.moves += 1
         kind = int(self._kind[row])
         size = LAYOUTS[kind].size
         _TIMES.pack_into(self._buffers[kind], (int(self._place[row]) + 1) * size - _TIMES.size, now, now)
 
     def set_quality(self, rows: Rows, quality: Quality, now: int, limit: Limit = Limit.NONE) -> None:
         """Set a quality; value and source time stay, only the server time moves."""
+        self.moves += 1
         code, status = quality.code | limit, quality.status(limit)
         for kind, members in self._by_kind(rows):
             places = self._place[members]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from asyncua.ua.status_codes import StatusCodes
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -37,6 +38,11 @@ def test_no_quality_is_missing_or_invented() -> None:
 def test_a_quality_has_its_published_numbers(name: str, code: int, automation: int, status: int) -> None:
     quality = Quality[name]
     assert (quality.code, quality.automation_code, quality.status()) == (code, automation, status)
+
+
+@pytest.mark.parametrize("quality", Quality)
+def test_a_status_has_its_name_in_the_specification(quality: Quality) -> None:
+    assert getattr(StatusCodes, quality.status_name) == quality.status()
 
 
 @pytest.mark.parametrize("quality", Quality)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import struct
+from collections.abc import Callable
 from datetime import UTC, datetime
 
 import numpy as np
@@ -255,6 +256,26 @@ def test_a_stamp_moves_times_of_rows_of_every_type() -> None:
     table.stamp(rows, NOW)
     assert table.source_ticks(rows).tolist() == [NOW] * 3
     assert [table.encoded(r)[3] for r in rows.tolist()] == [NOW] * 3
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda table: table.put(0, 1, NOW),
+        lambda table: table.put(1, "x", NOW),
+        lambda table: table.put_numbers(DataType.INT, as_rows(0), np.array([1], "<i2"), NOW),
+        lambda table: table.stamp(as_rows(0), NOW),
+        lambda table: table.stamp_one(0, NOW),
+        lambda table: table.set_quality(as_rows(0), Quality.BAD, NOW),
+    ],
+)
+def test_an_answer_made_before_any_change_is_known_to_be_old(change: Callable[[ItemTable], None]) -> None:
+    table = ItemTable(BORN)
+    table.add_many([("a", DataType.INT, 1), ("b", DataType.STRING, 1)])
+    for _ in range(2):
+        before = table.moves
+        change(table)
+        assert table.moves > before
 
 
 def test_nothing_is_asked_of_no_rows() -> None:
