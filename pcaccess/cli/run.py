@@ -12,11 +12,12 @@ import typer
 from pcaccess import __version__
 from pcaccess.cli.endpoint import PROJECT_FILE
 from pcaccess.cli.failures import Failed
-from pcaccess.cli.options import AsJson, MaxSize, check_url
-from pcaccess.cli.output import counted, json_line, show, show_problems
+from pcaccess.cli.options import AsJson, MaxSize, check_listen, check_url
+from pcaccess.cli.output import counted, json_line, note, show, show_problems
 from pcaccess.cli.projects import content_of, load_all
 
 if TYPE_CHECKING:
+    from pcaccess.cli.serving import Addresses
     from pcaccess.gateway.programs import Programs
     from pcaccess.project.load import Loaded
 
@@ -37,56 +38,71 @@ def run(
         str | None,
         typer.Option(help="Serve here instead of where the file says; port 0 takes any free port.", metavar="URL"),
     ] = None,
+    web: Annotated[
+        str | None,
+        typer.Option(help="Web server here instead of where the file says; off does without.", metavar="HOST:PORT"),
+    ] = None,
     log_level: Annotated[LogLevel, typer.Option(help="How much to report on standard error.")] = LogLevel.WARNING,
     as_json: AsJson = False,
     max_size: MaxSize = None,
 ) -> None:
-    """Serve the items of a project to OPC UA clients until Ctrl-C or SIGTERM.
+    """Serve the items of a project to OPC UA and web clients until Ctrl-C or SIGTERM.
 
     A saved project file is applied at once, when it is valid. With --json one line says when clients may come:
-    {"url": …, "project": …, "links": …, "plcs": …, "items": …, "groups": …, "warnings": …}.
+    {"url": …, "web": …, "project": …, "links": …, "plcs": …, "items": …, "groups": …, "warnings": …}.
     """
     if endpoint is not None:
         check_url(endpoint)
+    if web is not None:
+        check_listen(web)
     loaded, programs = load_all(project, max_size)
     show_problems([*loaded.warnings, *programs.warnings], stderr=True)
     _set_up_logging(log_level)
-    _serve(loaded, programs, project, endpoint, as_json=as_json)
+    _serve(loaded, programs, project, endpoint, web, as_json=as_json)
 
 
-def _serve(loaded: Loaded, programs: Programs, path: Path, endpoint: str | None, *, as_json: bool) -> None:
+def _serve(
+    loaded: Loaded, programs: Programs, path: Path, endpoint: str | None, web: str | None, *, as_json: bool
+) -> None:
     import asyncio
 
     from pcaccess.cli.serving import serve, stopped_by_signals
     from pcaccess.clock import SystemClock
     from pcaccess.collector import settle
     from pcaccess.opcua.server import EndpointError
+    from pcaccess.web.server import WebError
 
-    def ready(url: str) -> None:
+    def ready(addresses: Addresses) -> None:
         settle()
         content = content_of(loaded.project)
         warnings = len(loaded.warnings) + len(programs.warnings)
         if as_json:
-            json_line({"url": url, "project": loaded.project.name, **content, "warnings": warnings})
+            places = {"url": addresses.opcua, "web": addresses.web}
+            json_line({**places, "project": loaded.project.name, **content, "warnings": warnings})
         else:
-            _announce(url, loaded, content)
+            _announce(addresses, loaded, content)
+        if addresses.why_no_web:
+            note(f"no web server: {addresses.why_no_web}")
 
     async def main() -> None:
         stop = asyncio.Event()
         with stopped_by_signals(stop):
-            await serve(loaded, programs, path, SystemClock(), stop, ready, endpoint)
+            await serve(loaded, programs, path, SystemClock(), stop, ready, endpoint, web)
 
     try:
         asyncio.run(main())
-    except EndpointError as error:
+    except (EndpointError, WebError) as error:
         raise Failed(str(error)) from None
 
 
-def _announce(url: str, loaded: Loaded, content: dict[str, int]) -> None:
+def _announce(addresses: Addresses, loaded: Loaded, content: dict[str, int]) -> None:
     """What is served, in a few lines."""
     name = f": {loaded.project.name}" if loaded.project.name else ""
     show(f"pcaccess {__version__}{name}")
-    show(f"serving {counted(content, 'links', 'plcs', 'items', 'groups') or 'nothing yet'} at {url}", meaning="good")
+    what = counted(content, "links", "plcs", "items", "groups") or "nothing yet"
+    show(f"serving {what} at {addresses.opcua}", meaning="good")
+    if addresses.web:
+        show(f"and at {addresses.web}", meaning="good")
     plcs = [(link, plc) for link in loaded.project.links for plc in link.plcs]
     for link, plc in plcs[:PLCS_SHOWN]:
         away = "" if plc.connected else ", not connected"
@@ -101,8 +117,5 @@ def _announce(url: str, loaded: Loaded, content: dict[str, int]) -> None:
 def _set_up_logging(level: LogLevel) -> None:
     number = logging.getLevelNamesMapping()[level.name]
     logging.basicConfig(level=number, format="%(asctime)s %(levelname)s %(name)s: %(message)s")
-    if number <= logging.WARNING:  # who saves a file wants to know what became of it
-        for name in ("pcaccess.gateway.projectfile", "pcaccess.gateway.download"):
-            logging.getLogger(name).setLevel(min(number, logging.INFO))
     # Below debug, what asyncua reports of its own workings is noise.
     logging.getLogger("asyncua").setLevel(number if level is LogLevel.DEBUG else max(number, logging.ERROR))

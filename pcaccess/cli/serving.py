@@ -1,4 +1,4 @@
-"""A project, served until somebody says stop: the gateway, its OPC UA server, its watched project file."""
+"""A project, served until somebody says stop: the gateway, its OPC UA and web servers, its watched project file."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import logging
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
 from typing import Final
@@ -17,11 +18,24 @@ from pcaccess.gateway.programs import Programs
 from pcaccess.gateway.projectfile import ProjectFile
 from pcaccess.opcua.server import EndpointError, OpcUaServer
 from pcaccess.project.load import Loaded
+from pcaccess.project.network import check_web
+from pcaccess.web.server import WebError, WebServer
 
 log = logging.getLogger(__name__)
 
 _STOP_SIGNALS: Final = ("SIGINT", "SIGTERM", "SIGBREAK")
 """Those that the operating system has; SIGBREAK is Ctrl-Break of Windows."""
+
+
+@dataclass(frozen=True, slots=True)
+class Addresses:
+    """Where clients come."""
+
+    opcua: str
+    web: str | None
+    """None where there is no web server."""
+    why_no_web: str = ""
+    """Why not, when nobody asked to do without."""
 
 
 async def serve(
@@ -30,13 +44,15 @@ async def serve(
     path: Path,
     clock: Clock,
     stop: asyncio.Event,
-    ready: Callable[[str], None],
+    ready: Callable[[Addresses], None],
     endpoint: str | None = None,
+    listen: str | None = None,
 ) -> None:
-    """Serve until ``stop`` is set; ``ready`` is called with the URL when clients may come.
+    """Serve until ``stop`` is set; ``ready`` is called when clients may come.
 
-    Stops in order: clients are disconnected, then the links end, so that what a client wrote still arrives. Raises
-    EndpointError when the endpoint cannot be served.
+    ``endpoint`` and ``listen`` stand instead of the project's ``endpoint`` and ``web``. Stops in order: clients are
+    disconnected, then the links end, so that what a client wrote still arrives. Raises EndpointError or WebError when
+    an address cannot be served.
     """
     gateway = Gateway(loaded.project, clock, programs)
     gateway.show()
@@ -45,19 +61,40 @@ async def serve(
     server.offer_reload(file.reload)
     try:
         await server.start()
-    except EndpointError:
+        web, why_no_web = await _start_web(gateway, listen)
+    except (EndpointError, WebError):
         await server.stop()
         raise
     async with asyncio.TaskGroup() as tasks:
         running = [tasks.create_task(gateway.run()), tasks.create_task(file.run())]
+        if web is not None:
+            running.append(tasks.create_task(web.run()))
         try:
-            ready(server.url)
+            ready(Addresses(server.url, web.url if web else None, why_no_web))
             await stop.wait()
         finally:
             log.info("stopping")
+            if web is not None:
+                await web.stop()
             await server.stop()
             for task in running:
                 task.cancel()
+
+
+async def _start_web(gateway: Gateway, listen: str | None) -> tuple[WebServer | None, str]:
+    """The web server, or why there is none: at an address that nobody chose, one can do without it."""
+    settings = gateway.project.server
+    place = settings.web if listen is None else check_web(listen)
+    if place is None:
+        return None, ""
+    web = WebServer(gateway, place)
+    try:
+        await web.start()
+    except WebError as error:
+        if listen is not None or settings.web_is_wished:
+            raise
+        return None, str(error)
+    return web, ""
 
 
 @contextmanager

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import os
 import signal
@@ -9,10 +10,17 @@ import socket
 import subprocess
 import sys
 import threading
+from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
+from urllib.request import urlopen
 
 import pytest
 
+from pcaccess.cli.serving import Addresses, serve
+from pcaccess.clock import SystemClock
+from pcaccess.gateway.programs import load_programs
+from pcaccess.project.load import load_project
 from tests.cli.conftest import invoke
 
 ROOT = Path(__file__).parents[2]
@@ -27,7 +35,7 @@ links:
 """
 PATIENCE = 60.0
 """Seconds that only a failing test waits."""
-ANY_PORT = ("--endpoint", "opc.tcp://127.0.0.1:0/test")
+ANY_PORT = ("--endpoint", "opc.tcp://127.0.0.1:0/test", "--web", "off")
 
 
 class Process:
@@ -67,11 +75,30 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.fixture
+def serving(folder: Path) -> Iterator[tuple[Process, str]]:
+    """A process that serves, and its URL."""
+    process = Process(folder, "run", *ANY_PORT, "--json")
+    try:
+        yield process, json.loads(process.line())["url"]
+    finally:
+        process.send(signal.SIGKILL)
+        process.end()
+
+
 def test_one_json_line_says_when_clients_may_come(folder: Path) -> None:
     process = Process(folder, "run", *ANY_PORT, "--json")
     ready = json.loads(process.line())
     url = ready.pop("url")
-    assert ready == {"project": "Small plant", "links": 1, "plcs": 2, "items": 3, "groups": 0, "warnings": 0}
+    assert ready == {
+        "web": None,
+        "project": "Small plant",
+        "links": 1,
+        "plcs": 2,
+        "items": 3,
+        "groups": 0,
+        "warnings": 0,
+    }
     assert invoke("read", "MicroWin.NewPLC.Motor", "--url", url).code == 0
     process.send(signal.SIGTERM)
     assert process.end() == (0, "", "")
@@ -119,6 +146,54 @@ def test_a_port_in_use_says_which_and_what_to_do(folder: Path) -> None:
     )
 
 
+def test_the_web_server_comes_with_it(folder: Path) -> None:
+    process = Process(folder, "run", *ANY_PORT[:2], "--web", "127.0.0.1:0")
+    lines = [process.line() for _ in range(3)]
+    url = lines[2].removeprefix("and at ").strip()
+    with urlopen(f"{url}/api/items/MicroWin.NewPLC.Motor/value", timeout=PATIENCE) as answer:
+        assert answer.read() == b"0"
+    process.send(signal.SIGTERM)
+    code, _, err = process.end()
+    assert (code, err) == (0, "")
+
+
+def test_a_web_port_in_use_is_fatal_only_where_somebody_chose_it(folder: Path) -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        message = f"port {port} on 127.0.0.1 is in use; stop the other program, or choose another port"
+        code, out, err = Process(folder, "run", *ANY_PORT[:2], "--web", f"127.0.0.1:{port}").end()
+        assert (code, out) == (1, "")
+        assert err.startswith(f"pcaccess: {message}")
+        (folder / "items.yaml").write_text(f"server: {{web: '127.0.0.1:{port}'}}\n{PLANT}")
+        code, out, err = Process(folder, "run", *ANY_PORT[:2]).end()
+        assert (code, out) == (1, "")
+        assert err.startswith(f"pcaccess: {message}")
+
+
+async def test_without_a_free_usual_port_everything_else_is_served(folder: Path) -> None:
+    loaded = load_project(folder / "items.yaml")
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        place = f"127.0.0.1:{taken.getsockname()[1]}"
+        usual = replace(loaded.project.server, web=place)
+        assert not usual.web_is_wished
+        stop = asyncio.Event()
+        places: list[Addresses] = []
+
+        def ready(addresses: Addresses) -> None:
+            places.append(addresses)
+            stop.set()
+
+        moved = replace(loaded, project=replace(loaded.project, server=usual))
+        programs = load_programs(loaded.project)
+        await serve(moved, programs, folder / "items.yaml", SystemClock(), stop, ready, "opc.tcp://127.0.0.1:0/x")
+    assert places[0].web is None
+    assert "is in use" in places[0].why_no_web
+
+
 def test_an_endpoint_open_to_the_network_is_refused(folder: Path) -> None:
     code, out, err = Process(folder, "run", "--endpoint", "opc.tcp://0.0.0.0:0/x").end()
     assert (code, out) == (1, "")
@@ -146,19 +221,13 @@ def test_warnings_are_shown_and_it_runs(folder: Path) -> None:
     assert "PRJ021" in err
 
 
-def test_a_saved_file_is_applied_while_it_runs_and_told(folder: Path) -> None:
-    process = Process(folder, "run", *ANY_PORT, "--json")
-    url = json.loads(process.line())["url"]
+def test_a_saved_file_is_applied_while_it_runs(folder: Path, serving: tuple[Process, str]) -> None:
+    _, url = serving
+    more = PLANT.replace("items: [{name: Motor,", "items: [{name: Extra, address: VW10}, {name: Motor,")
     watching = Process(folder, "watch", "MicroWin.NewPLC.Motor", "--json", "--url", url)
     watching.line()
-    (folder / "items.yaml").write_text(
-        PLANT.replace("items: [{name: Motor,", "items: [{name: Extra, address: VW10}, {name: Motor,")
-    )
+    (folder / "items.yaml").write_text(more)
     while invoke("read", "MicroWin.NewPLC.Extra", "--url", url).code:
         pass
     watching.send(signal.SIGINT)
     assert watching.end() == (0, "", "")
-    process.send(signal.SIGTERM)
-    code, _, err = process.end()
-    assert code == 0
-    assert "items.yaml applied: 1 item added" in err
