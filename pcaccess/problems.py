@@ -15,7 +15,17 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from enum import Enum
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
+
+_VISIBLE: Final = {
+    **{code: 0x2400 + code for code in range(0x20)},
+    **dict.fromkeys(range(128, 160), 65533),
+    0x7F: 0x2421,
+}
+"""Control characters become the symbols that stand for them: what is in a file never steers the terminal."""
+
+_LONGEST_LINE: Final = 400
+"""Characters of a source line that are shown."""
 
 
 class Severity(Enum):
@@ -97,7 +107,7 @@ class Problem:
             parts.append(f"did you mean {self.nearest!r}?")
         kind = "warning " if self.severity is Severity.WARNING else ""
         where = f"{self.where}: " if self.where else ""
-        return f"{self.span}: {kind}{self.code} {where}{'; '.join(parts)}"
+        return f"{self.span}: {kind}{self.code} {where}{'; '.join(parts)}".translate(_VISIBLE)
 
     def as_json(self) -> dict[str, Any]:
         data = asdict(self)
@@ -136,9 +146,20 @@ def render(problem: Problem, text: str | None = None) -> str:
     lines = text.splitlines()
     if not 1 <= problem.span.line <= len(lines):
         return str(problem)
-    source = lines[problem.span.line - 1].replace("\t", " ")
+    return render_line(problem, lines[problem.span.line - 1])
+
+
+def render_line(problem: Problem, line: str) -> str:
+    """The problem with ``line``, where it is, and a caret line; of a very long line the part around the place."""
+    column, cut = problem.span.column, ""
+    if len(line) > _LONGEST_LINE:
+        first = max(0, min(column - 1 - _LONGEST_LINE // 2, len(line) - _LONGEST_LINE))
+        cut = "…" if first else ""
+        line = cut + line[first : first + _LONGEST_LINE]
+        column += len(cut) - first
+    source = line.replace("\t", " ").translate(_VISIBLE)
     number = f"{problem.span.line:6d} | "
-    carets = " " * (problem.span.column - 1) + "^" * max(1, min(problem.span.length, len(source)))
+    carets = " " * (column - 1) + "^" * max(1, min(problem.span.length, len(source) - column + 1))
     shown = [str(problem), f"{number}{source}", f"{' ' * (len(number) - 2)}| {carets}"]
     shown += [f"    {span}: {message}" for span, message in problem.related]
     return "\n".join(shown)

@@ -53,6 +53,24 @@ def test_a_tab_before_the_place_does_not_move_the_carets() -> None:
     ]
 
 
+def test_control_characters_of_a_file_never_reach_the_terminal() -> None:
+    shown = render(CODES.problem("X001", Span("f", 1, 6, 1), "no \x1b[2J"), "\x1b[31m\x00\x9bx")
+    assert shown.splitlines() == ["f:1:6: X001 no ␛[2J", "     1 | ␛[31m␀\ufffdx", "       |      ^"]
+
+
+def test_of_a_very_long_line_the_part_around_the_place_is_shown() -> None:
+    line = "a" * 60_000 + "xyz" + "b" * 60_000
+    _, source, carets = render(CODES.problem("X001", Span("f", 1, 60_001, 3), "wrong"), line).splitlines()
+    assert len(source) < 500
+    at = carets.index("^")
+    assert (source[at : at + 3], carets.count("^")) == ("xyz", 3)
+
+
+def test_a_file_of_one_endless_line_is_cut_at_its_beginning_too() -> None:
+    _, source, carets = render(CODES.problem("X001", Span("f", 1, 1, 1), "too large"), "a" * 60_000).splitlines()
+    assert (len(source) < 500, carets) == (True, "       | ^")
+
+
 def test_the_line_is_read_from_the_file_when_nobody_has_its_text(tmp_path: Path) -> None:
     path = tmp_path / "items.yaml"
     path.write_text("a\nbcd\n")

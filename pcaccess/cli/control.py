@@ -57,19 +57,21 @@ def status(
 
 def start(plc: PlcName, url: Url = None) -> None:
     """Put a soft-PLC that has a program to RUN."""
-    _switch(plc, "Run", url)
+    _switch(plc, "Run", "RUN", url)
 
 
 def stop(plc: PlcName, url: Url = None) -> None:
     """Put a soft-PLC to STOP; its outputs go to their values for STOP."""
-    _switch(plc, "Stop", url)
+    _switch(plc, "Stop", "STOP", url)
 
 
-def _switch(plc: str, method: str, url: str | None) -> None:
+def _switch(plc: str, method: str, wanted: str, url: str | None) -> None:
     from pcaccess.cli.controlling import switch
 
     name, mode = asyncio.run(switch(server_url(url), plc, method))
     show(f"{name}: {mode}")
+    if mode != wanted:
+        raise Failed(f"{name} went back to {mode}; the log of pcaccess run says why")
 
 
 def download(

@@ -11,7 +11,7 @@ import typer
 from pcaccess.cli.endpoint import PROJECT_FILE
 from pcaccess.cli.failures import Failed
 from pcaccess.cli.options import AsJson, MaxSize, known_encoding
-from pcaccess.cli.output import counted, json_line, note, show, show_problems, write_file
+from pcaccess.cli.output import counted, json_line, note, show, show_problems, working, write_file
 from pcaccess.cli.projects import load
 
 if TYPE_CHECKING:
@@ -59,16 +59,20 @@ def import_(
         raise Failed(f"{output} exists; name another file, or replace it with --force")
     if as_json and output is None:
         raise typer.BadParameter("--json needs -o FILE, as the project itself is printed without it")
-    result = import_file(
-        source,
-        kind=Kind(kind.value),
-        link=link,
-        plc=plc,
-        folder=folder,
-        encoding=known_encoding(encoding),
-        max_size=MAX_SIZE if max_size is None else max_size * 1_000_000,
-    )
-    show_problems(result.warnings, stderr=True)
+    code_page = known_encoding(encoding)
+    target = PROJECT_FILE if output is None else str(output)
+    with working(f"reading {source}"):
+        result = import_file(
+            source,
+            target=target,
+            kind=Kind(kind.value),
+            link=link,
+            plc=plc,
+            folder=folder,
+            encoding=code_page,
+            max_size=MAX_SIZE if max_size is None else max_size * 1_000_000,
+        )
+    show_problems(result.warnings, stderr=True, texts={target: result.yaml_text})
     content = {"plcs": result.counts.plcs, "folders": result.counts.folders, "items": result.counts.items}
     left_out = result.counts.left_out
     if output is None:

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -20,8 +21,8 @@ from rich.table import Table
 from rich.text import Text
 
 from pcaccess.cli.failures import Failed
-from pcaccess.codepage import guess_code_page
-from pcaccess.problems import Problem, render
+from pcaccess.problems import Problem, Span, render_line
+from pcaccess.project.textfile import TextError, decode_table, read_bytes
 
 GAP: Final = "  "
 STYLES: Final = {"good": "green", "uncertain": "yellow", "bad": "red", "dim": "dim"}
@@ -65,6 +66,14 @@ def complain(text: str) -> None:
 def note(text: str) -> None:
     """A remark for people on standard error, so that standard output stays what was asked for."""
     Console(stderr=True, highlight=False, soft_wrap=True).print(Text(text, "dim"))
+
+
+@contextmanager
+def working(text: str) -> Iterator[None]:
+    """Says on a terminal what takes its time, and is gone afterwards."""
+    stderr = Console(stderr=True)
+    with stderr.status(text) if stderr.is_terminal else nullcontext():
+        yield
 
 
 def show_table(columns: Sequence[Column], rows: Sequence[Row]) -> None:
@@ -132,33 +141,27 @@ def show_problems(problems: Iterable[Problem], *, stderr: bool, texts: Mapping[s
     out = Console(stderr=stderr, highlight=False, soft_wrap=True)
     sources = _Sources(texts or {})
     for problem in problems:
-        head, *rest = render(problem, sources.text(problem.span.file)).splitlines()
+        line = sources.line(problem.span)
+        head, *rest = (str(problem) if line is None else render_line(problem, line)).splitlines()
         out.print(Text(head, "bold red" if problem.is_error else "bold yellow"))
         for line in rest:
             out.print(Text(line))
 
 
 class _Sources:
-    """Files that problems are in, each read once; what cannot be read is empty."""
+    """Lines of the files that problems are in, each read once; what cannot be read, or is no text, has none."""
 
     def __init__(self, texts: Mapping[str, str]) -> None:
-        self._texts = dict(texts)
+        self._lines = {file: text.splitlines() for file, text in texts.items()}
 
-    def text(self, file: str) -> str:
-        if file not in self._texts:
+    def line(self, span: Span) -> str | None:
+        if span.file not in self._lines:
             try:
-                self._texts[file] = _decoded(Path(file).read_bytes())
-            except OSError:
-                self._texts[file] = ""
-        return self._texts[file]
-
-
-def _decoded(data: bytes) -> str:
-    """Text of a project file (UTF-8) or of a program or table in the code page of its PC."""
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return data.decode(guess_code_page(data), errors="replace")
+                self._lines[span.file] = decode_table(read_bytes(Path(span.file))).splitlines()
+            except TextError:
+                self._lines[span.file] = []
+        lines = self._lines[span.file]
+        return lines[span.line - 1] if 1 <= span.line <= len(lines) else None
 
 
 # ---------------------------------------------------------------------- for programs

@@ -170,7 +170,7 @@ def run(
         else:
             view = ScanLines(places)
         asyncio.run(scanner.run(places, view, cycle, limit))
-    note(str(scanner.status))
+    note(f"{scanner.status} ({scanner.cpu.executor_name})")
     if scanner.cpu.fatal is not None:
         raise Failed(f"the CPU stopped: {scanner.cpu.fatal}")
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from pcaccess.cli.output import working
+
 if TYPE_CHECKING:
     from pcaccess.gateway.programs import Programs
     from pcaccess.project.load import Loaded
@@ -15,7 +17,8 @@ def load(path: Path, max_size: int | None) -> Loaded:
     """The project; raises ProblemError. ``max_size`` in megabytes, None for the usual limit."""
     from pcaccess.project.load import load_project
 
-    return load_project(path) if max_size is None else load_project(path, max_size=max_size * 1_000_000)
+    with working(f"reading {path}"):
+        return load_project(path) if max_size is None else load_project(path, max_size=max_size * 1_000_000)
 
 
 def load_all(path: Path, max_size: int | None) -> tuple[Loaded, Programs]:

@@ -157,17 +157,24 @@ class Remote:
     async def _browse(self, nodes: Sequence[ua.NodeId]) -> list[list[Child]]:
         found: list[list[Child]] = []
         for some in _batches(nodes, MAX_NODES // 10):
-            params = ua.BrowseParameters(NodesToBrowse=[_below(node) for node in some])
-            for result in await self._ask(self._client.uaclient.browse(params)):
-                references = list(result.References or [])
-                point = result.ContinuationPoint
-                while point:
-                    more = ua.BrowseNextParameters(ReleaseContinuationPoints=False, ContinuationPoints=[point])
-                    (next_result,) = await self._ask(self._client.uaclient.browse_next(more))
-                    references += next_result.References or []
-                    point = next_result.ContinuationPoint
-                found.append(references)
+            answers = await self._ask(self._client.uaclient.browse(_below(some)))
+            found += [await self._rest(node, answer) for node, answer in zip(some, answers, strict=True)]
         return found
+
+    async def _rest(self, node: ua.NodeId, answer: ua.BrowseResult) -> list[Child]:
+        """All references, whether they came in one piece, in several, or not yet for want of room on the server."""
+        if answer.StatusCode.value == StatusCodes.BadNoContinuationPoints:
+            (answer,) = await self._ask(self._client.uaclient.browse(_below([node])))
+        references = list(answer.References or [])
+        while answer.ContinuationPoint:
+            more = ua.BrowseNextParameters(
+                ReleaseContinuationPoints=False, ContinuationPoints=[answer.ContinuationPoint]
+            )
+            (answer,) = await self._ask(self._client.uaclient.browse_next(more))
+            if answer.StatusCode.value:
+                raise Failed(f"{self.url} does not list all of {self.name(node)}: {_said(answer)}")
+            references += answer.References or []
+        return references
 
     # ------------------------------------------------------------------ changes
 
@@ -300,15 +307,26 @@ def is_property(child: Child) -> bool:
     return bool(child.ReferenceTypeId.Identifier == ObjectIds.HasProperty and child.ReferenceTypeId.NamespaceIndex == 0)
 
 
-def _below(node: ua.NodeId) -> ua.BrowseDescription:
-    return ua.BrowseDescription(
-        NodeId=node,
-        BrowseDirection=ua.BrowseDirection.Forward,
-        ReferenceTypeId=ua.NodeId(ua.Int32(ObjectIds.HierarchicalReferences), ua.Int16(0)),
-        IncludeSubtypes=True,
-        NodeClassMask=ua.UInt32(ua.NodeClass.Object | ua.NodeClass.Variable),
-        ResultMask=ua.UInt32(ua.BrowseResultMask.All),
+def _below(nodes: Sequence[ua.NodeId]) -> ua.BrowseParameters:
+    """Objects and variables that hang under each node."""
+    hierarchical = ua.NodeId(ua.Int32(ObjectIds.HierarchicalReferences), ua.Int16(0))
+    return ua.BrowseParameters(
+        NodesToBrowse=[
+            ua.BrowseDescription(
+                NodeId=node,
+                BrowseDirection=ua.BrowseDirection.Forward,
+                ReferenceTypeId=hierarchical,
+                IncludeSubtypes=True,
+                NodeClassMask=ua.UInt32(ua.NodeClass.Object | ua.NodeClass.Variable),
+                ResultMask=ua.UInt32(ua.BrowseResultMask.All),
+            )
+            for node in nodes
+        ]
     )
+
+
+def _said(answer: ua.BrowseResult) -> str:
+    return status_text(int(answer.StatusCode.value))
 
 
 def _batches(values: Iterable[T], size: int) -> Iterator[list[T]]:

@@ -117,5 +117,8 @@ def _announce(addresses: Addresses, loaded: Loaded, content: dict[str, int]) -> 
 def _set_up_logging(level: LogLevel) -> None:
     number = logging.getLevelNamesMapping()[level.name]
     logging.basicConfig(level=number, format="%(asctime)s %(levelname)s %(name)s: %(message)s")
+    if number <= logging.WARNING:  # who saves a file wants to know what became of it
+        for name in ("pcaccess.gateway.projectfile", "pcaccess.gateway.download"):
+            logging.getLogger(name).setLevel(min(number, logging.INFO))
     # Below debug, what asyncua reports of its own workings is noise.
     logging.getLogger("asyncua").setLevel(number if level is LogLevel.DEBUG else max(number, logging.ERROR))

@@ -20,10 +20,10 @@ from pcaccess.items.varianttypes import VARIANT_TYPES
 from pcaccess.links.scanning import SHORTEST_PAUSE, WATCHDOG
 from pcaccess.plc.cpu import Cpu
 from pcaccess.plc.errorlog import ErrorRecord
-from pcaccess.plc.literals import LiteralError, Target, parse_target, parse_value, plain_type
-from pcaccess.s7200.address import Address, AddressError, Area
+from pcaccess.plc.literals import LiteralError, Target, parse_target, parse_typed, parse_value, plain_type
+from pcaccess.s7200.address import Address, Area
 from pcaccess.s7200.cpu import CpuModel
-from pcaccess.s7200.types import DATA_TYPE_NAMES, DataType, Value
+from pcaccess.s7200.types import DataType, Value
 from pcaccess.stl.program import Program
 from pcaccess.stl.xref import cross_reference
 
@@ -70,21 +70,11 @@ class Place:
 
 def parse_place(text: str, program: Program, model: CpuModel) -> Place:
     """``Q0.0``, a symbol, or with a type ``VD20:REAL``. Raises BadParameter."""
-    name, _, word = text.partition(":")
     try:
-        target = parse_target(name.strip(), model, program.symbols)
-        kind = plain_type(target) if not word else _type(word)
-        address = target.address.as_type(kind)
-    except (LiteralError, AddressError) as error:
+        target, kind = parse_typed(text, model, program.symbols)
+    except LiteralError as error:
         raise typer.BadParameter(str(error)) from None
-    return Place(address, kind, program.symbols.name_of(address) or "")
-
-
-def _type(word: str) -> DataType:
-    kind = DATA_TYPE_NAMES.get(word.strip().upper())
-    if kind is None:
-        raise LiteralError(f"there is no type {word}; types are {', '.join(DATA_TYPE_NAMES)}")
-    return kind
+    return Place(target.address, kind, program.symbols.name_of(target.address) or "")
 
 
 def places_of(program: Program) -> list[Place]:
@@ -155,24 +145,31 @@ class Scanner:
         return self._clock.monotonic() - self._began < WATCHDOG
 
     async def run(self, places: Sequence[Place], view: View, period: float | None, duration: float | None) -> None:
-        """Scan every ``period`` seconds (None: freely) until ``duration`` is over or a fatal error ends it."""
+        """Scan every ``period`` seconds (None: freely), at least once, until ``duration`` is over.
+
+        A fatal error ends it too.
+        """
         clock, cpu = self._clock, self.cpu
         start = due = clock.monotonic()
+        first: float | None = None
         cpu.run(start * 1000)
         seen: dict[Place, Value] = {}
         told = 0
-        while duration is None or clock.monotonic() - start < duration:
+        while True:
             self._scan()
             values = {place: cpu.read(place.address, place.type) for place in places}
-            changes = [(place, value) for place, value in values.items() if seen.get(place) != value]
+            changes = [(place, value) for place, value in values.items() if not _same(seen.get(place), value)]
             seen = values
-            view.show((self._began - start) * 1000, changes, self.status)
+            first = self._began if first is None else first
+            view.show((self._began - first) * 1000, changes, self.status)
             for record in cpu.errors[told:]:
                 view.error(record)
             told = len(cpu.errors)
             if cpu.fatal is not None:
                 return
             due = max(due + (period or 0.0), clock.monotonic() + SHORTEST_PAUSE)
+            if duration is not None and due - start >= duration:
+                return
             await clock.sleep(due - clock.monotonic())
 
     def _scan(self) -> None:
@@ -181,6 +178,11 @@ class Scanner:
         took = (self._clock.monotonic() - self._began) * 1000
         longest = max(self.status.longest, took)
         self.status = Status(self.cpu.mode.value, self.cpu.scans, took, longest)
+
+
+def _same(before: Value | None, value: Value) -> bool:
+    """A REAL that is no number stays what it is, although it equals nothing."""
+    return before == value or (before != before and value != value)
 
 
 # ---------------------------------------------------------------------- views

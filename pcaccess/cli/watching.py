@@ -97,12 +97,12 @@ class _Watcher:
 
     async def _watch(self, remote: Remote, limit: asyncio.Timeout) -> None:
         targets, interval = await self._targets(remote)
-        if not self._begun and self.wanted.duration is not None:
-            limit.reschedule(asyncio.get_running_loop().time() + self.wanted.duration)
-        self._begun = True
+        first, self._begun = not self._begun, True
         self.view.remark("")
         self.view.begin([target.item_id for target in targets], interval)
         statuses = await remote.subscribe([target.node for target in targets], interval)
+        if first and self.wanted.duration is not None:  # not before: thousands of items take their time
+            limit.reschedule(asyncio.get_running_loop().time() + self.wanted.duration)
         for target, status in zip(targets, statuses, strict=True):
             if status:
                 self._error(f"{target.item_id}: {status_text(status)}")

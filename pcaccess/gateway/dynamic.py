@@ -31,6 +31,7 @@ log = logging.getLogger(__name__)
 
 _LONGEST_SWEEP: Final = 30.0
 """Seconds between looks for idle items, or a tenth of the idle time if that is less."""
+_MOST_TOLD: Final = 1000
 _NOWHERE: Final = Span("(client)", 1, 1)
 
 
@@ -40,6 +41,8 @@ class _Index:
 
     names: dict[str, int] = field(default_factory=dict)
     """Casefolded run-time name."""
+    unlinked: dict[str, int | None] = field(default_factory=dict)
+    """The same without the link, of items that only their whole name tells: scaled and simulated ones. None: of two."""
     places: dict[tuple[str, str, DataType], list[int]] = field(default_factory=dict)
     """Station, address and served type."""
 
@@ -53,6 +56,7 @@ class DynamicNames:
         self._index: _Index | None = None
         self._stations: Stations | None = None
         self._holders: list[Callable[[], Iterable[int]]] = []
+        self._told: set[str] = set()
 
     def hold(self, rows: Callable[[], Iterable[int]]) -> None:
         """``rows()`` are in use, subscribed for example, and stay however long nobody names them."""
@@ -74,6 +78,15 @@ class DynamicNames:
         """Items or PLCs came or went."""
         self._index = None
         self._stations = None
+        self._told.clear()
+
+    def _warn(self, text: str, why: str) -> None:
+        """Once per name: a client that asks ten times a second must not fill the log."""
+        if text not in self._told:
+            if len(self._told) >= _MOST_TOLD:
+                self._told.clear()
+            self._told.add(text)
+            log.warning("%s %s", text, why)
 
     def find(self, text: str) -> int | None:
         """Row of a run-time name; makes the item where the project allows it."""
@@ -84,8 +97,12 @@ class DynamicNames:
         try:
             name = parse_run_time_name(text)
         except RunTimeNameError as error:
-            log.debug("%s is no run-time name: %s", text, error)
-            return None
+            row = self._indexed().unlinked.get(text.casefold())
+            if row is None:
+                log.debug("%s is no run-time name: %s", text, error)
+            else:
+                self.touch(row)
+            return row
         station = self._station(name, text)
         if station is None:
             return None
@@ -106,7 +123,7 @@ class DynamicNames:
         fitting = self._stations.find(name)
         if len(fitting) > 1:
             names = " and ".join(plc.item_id for plc in fitting)
-            log.warning("%s fits %s; put the link's name in front", text, names)
+            self._warn(text, f"fits {names}; put the link's name in front")
             return None
         return self._gateway.stations.get(fitting[0].item_id) if fitting else None
 
@@ -124,7 +141,11 @@ class DynamicNames:
             self._index = _Index()
             for station in self._gateway.stations.values():
                 for row, item in station.items():
-                    self._index.names.setdefault(item.run_time_name.casefold(), row)
+                    name = item.run_time_name.casefold()
+                    self._index.names.setdefault(name, row)
+                    if item.scaling is not None or not isinstance(item.address, Address):
+                        unlinked = name.partition(":")[2]
+                        self._index.unlinked[unlinked] = None if unlinked in self._index.unlinked else row
                     place = (station.name, str(item.address), item.data_type)
                     self._index.places.setdefault(place, []).append(row)
         return self._index
@@ -140,7 +161,7 @@ class DynamicNames:
         if len(self._used) >= settings.max:
             self.sweep()
         if len(self._used) >= settings.max:
-            log.warning("%s is not made: there are already %d dynamic items", text, settings.max)
+            self._warn(text, f"is not made: there are already {settings.max} dynamic items")
             return None
         low, high = _limits(name)
         item = Item(

@@ -18,6 +18,7 @@ from pcaccess.gateway.reload import apply_project
 from pcaccess.problems import Problem, ProblemError
 from pcaccess.project.diff import Changes
 from pcaccess.project.load import Loaded, load_project
+from pcaccess.stl.reader import files_beside
 
 log = logging.getLogger(__name__)
 
@@ -41,7 +42,7 @@ class Reloaded:
 
 
 class ProjectFile:
-    """Watches the file a gateway was started from, and every file that it names."""
+    """Watches the file a gateway was started from, every file that it names, and what lies beside its programs."""
 
     def __init__(self, gateway: Gateway, path: Path, loaded: Loaded) -> None:
         self._gateway = gateway
@@ -51,7 +52,9 @@ class ProjectFile:
         self._busy = asyncio.Lock()
 
     def _stamps(self) -> dict[Path, _Stamp | None]:
-        return {path: _stamp(path) for path in (self._path, *self._files)}
+        plcs = (plc for link in self._gateway.project.links for plc in link.plcs)
+        beside = (path for plc in plcs if plc.program is not None for path in files_beside(plc.program))
+        return {path: _stamp(path) for path in (self._path, *self._files, *beside)}
 
     async def reload(self) -> Reloaded:
         """Read the file now and apply it; one at a time."""

@@ -20,7 +20,9 @@ from pcaccess.project.model import Item, Link, Plc, Project
 def apply_project(gateway: Gateway, project: Project, programs: Programs | None = None) -> Changes:
     """Make ``gateway`` run ``project`` and say what was different; programs are read here unless given."""
     loaded = load_programs(project) if programs is None else programs
-    done = compare(gateway.project, project)
+    programs_before = gateway.programs.by_station
+    changed = [name for name, new in loaded.by_station.items() if programs_before.get(name, new) != new]
+    done = replace(compare(gateway.project, project), programs=len(changed))
     old_links = {link.name: link for link in gateway.project.links}
     new_links = {link.name: link for link in project.links}
     gateway.project, gateway.programs = project, loaded

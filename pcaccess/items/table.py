@@ -276,6 +276,10 @@ class ItemTable:
         """Records of one kind; replaced by a larger array when ``generation`` grows."""
         return self._blocks[kind]
 
+    def buffer(self, kind: int) -> memoryview:
+        """The bytes of :meth:`block`."""
+        return self._buffers[kind]
+
     def object_variant(self, place: int) -> bytes:
         """Encoded variant of a string or array at ``place`` of the object block."""
         return self._objects[place]

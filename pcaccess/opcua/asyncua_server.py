@@ -23,6 +23,7 @@ from asyncua.ua.object_ids import ObjectIds
 from pcaccess.gateway.gateway import Gateway
 from pcaccess.opcua.attributes import ItemAttributes
 from pcaccess.opcua.connection import Connection, Limits
+from pcaccess.opcua.fast.plane import DataPlane
 from pcaccess.opcua.ids import APPLICATION_URI, standard
 from pcaccess.opcua.limits import MAX_CONNECTIONS, PUBLISHED
 from pcaccess.opcua.nodestore import OURS, NodeStore
@@ -64,6 +65,7 @@ class Internal(InternalServer):
         self.view_service = self.views
         self.subscription_service: Subscriptions = Subscriptions(self.aspace, self, space, gateway)
         self.isession.subscription_service = self.subscription_service
+        self.plane = DataPlane(gateway, space)
         self._handles = itertools.count(1)
 
     def create_session(

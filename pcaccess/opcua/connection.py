@@ -15,21 +15,25 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections import deque
-from collections.abc import Awaitable, Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from asyncua import ua
 from asyncua.common.connection import TransportLimits
-from asyncua.common.utils import Buffer, ServiceError
+from asyncua.common.utils import Buffer, NotEnoughData, ServiceError
 from asyncua.server.binary_server_asyncio import OPCUAProtocol
 from asyncua.ua.status_codes import StatusCodes
 from asyncua.ua.ua_binary import header_from_binary
 from asyncua.ua.uaerrors import UaError, UaStatusCodeError
 
 from pcaccess.opcua.fast.frames import INTERMEDIATE, FrameError, FrameReader, error_message
+from pcaccess.opcua.fast.plane import FastPath, Job
 from pcaccess.opcua.limits import MAX_FRAME, MAX_MESSAGE, MIN_FRAME
 from pcaccess.opcua.processor import Processor
+
+if TYPE_CHECKING:
+    from pcaccess.opcua.asyncua_server import Internal
 
 log = logging.getLogger(__name__)
 
@@ -40,9 +44,6 @@ MAX_STRANGER: Final = 1 << 18
 """Bytes that chunks of one message may take before a session is active."""
 FLUSH: Final = 1 << 16
 """Bytes of replies that are collected before they are sent in one go."""
-
-Job = Callable[[], Awaitable[bytes]]
-"""Work on a request that must wait for a PLC; gives the reply."""
 
 
 @dataclass
@@ -77,6 +78,8 @@ class Limits(TransportLimits):
 class Connection(OPCUAProtocol):
     """asyncua's protocol with our reading, queueing and answering."""
 
+    iserver: Internal
+
     def __init__(self, *arguments: Any, **options: Any) -> None:
         super().__init__(*arguments, **options)
         self.messages = asyncio.Queue()  # bounded by no longer reading, not by closing the connection
@@ -89,6 +92,7 @@ class Connection(OPCUAProtocol):
         """The client does not read: the transport has all the replies it will hold."""
         self._reading = True
         self._closing = False
+        self._fast: FastPath | None = None
 
     # ------------------------------------------------------------------ the socket's side
 
@@ -97,6 +101,7 @@ class Connection(OPCUAProtocol):
         if self.processor is not None:
             self.processor = Processor(self.iserver, self.transport, self.limits)
             self.processor.set_policies(self.policies)
+            self._fast = FastPath(self.iserver.plane, self.processor)
 
     def connection_lost(self, ex: BaseException | None) -> None:
         self._closing = True
@@ -142,13 +147,52 @@ class Connection(OPCUAProtocol):
     # ------------------------------------------------------------------ requests
 
     def _take(self, frames: Iterable[bytes]) -> None:
+        replies: list[bytes] = []
+        size = 0
         for frame in frames:
             if self._closing:
                 return
             if self._choked:
                 self._waiting.append(frame)
-            else:
+                continue
+            answer = self._answer(frame)
+            if isinstance(answer, bytes):
+                replies.append(answer)
+                size += len(answer)
+                if size < FLUSH:
+                    continue
+            self._send(replies)
+            size = 0
+            if answer is None:
                 self._enqueue(frame)
+            elif not isinstance(answer, bytes):
+                self._await(answer, len(frame))
+        self._send(replies)
+
+    def _send(self, replies: list[bytes]) -> None:
+        """Everything collected, in one go."""
+        if replies and self.transport is not None:
+            self.transport.write(b"".join(replies))
+        replies.clear()
+
+    def _answer(self, frame: bytes) -> bytes | Job | None:
+        """What the data plane makes of a frame, unless another request waits before it."""
+        if self._queued or self._fast is None:
+            return None
+        try:
+            return self._fast.answer(frame)
+        except Exception:
+            log.exception("the data plane failed; asyncua takes the request")
+            return None
+
+    def _await(self, job: Job, size: int) -> None:
+        self.messages.put_nowait((size, job))
+        self._count(size)
+
+    def _count(self, size: int) -> None:
+        self._queued += 1
+        self._queued_bytes += size
+        self._set_reading()
 
     def _enqueue(self, frame: bytes) -> None:
         """To asyncua, behind whatever waits there already."""
@@ -157,9 +201,7 @@ class Connection(OPCUAProtocol):
             return
         buffer = Buffer(frame)
         self.messages.put_nowait((header_from_binary(buffer), buffer))
-        self._queued += 1
-        self._queued_bytes += len(frame)
-        self._set_reading()
+        self._count(len(frame))
 
     def _may_send_much(self, frame: bytes) -> bool:
         processor = self.processor
@@ -173,9 +215,11 @@ class Connection(OPCUAProtocol):
             header, work = await self.messages.get()
             if work is None:
                 break
-            size = header.packet_size
+            size = header if isinstance(header, int) else header.packet_size
             try:
-                if not await self._process_one_msg(header, work):
+                if isinstance(header, int):
+                    self._send([await work()])
+                elif not await self._process_one_msg(header, work):
                     break
             except Exception as error:
                 self._refuse(*_fault(error))
@@ -183,6 +227,8 @@ class Connection(OPCUAProtocol):
             finally:
                 self._queued -= 1
                 self._queued_bytes -= size
+                if self._fast is not None:
+                    self._fast.forget()
                 self._set_reading()
 
     def _refuse(self, status: int, reason: str) -> None:
@@ -198,7 +244,7 @@ def _fault(error: Exception) -> tuple[int, str]:
     """Status and words for a message that could not even be answered with a fault."""
     if isinstance(error, UaStatusCodeError | ServiceError):
         return int(error.code), str(error)
-    if isinstance(error, UaError):
+    if isinstance(error, UaError) and not isinstance(error, NotEnoughData):
         return StatusCodes.BadSecurityChecksFailed, str(error)
     log.debug("undecodable message", exc_info=error)
     return StatusCodes.BadDecodingError, f"the message could not be decoded ({type(error).__name__})"

@@ -191,6 +191,8 @@ class ItemMonitors(MonitoredItemService):
             known = self.aspace.read_attribute_value(wanted.NodeId, wanted.AttributeId).StatusCode
             if known is not None and known.is_bad():
                 return int(known.value)
+        elif entry.value is None:  # an object has no value to watch
+            return StatusCodes.BadAttributeIdInvalid
         elif entry.row is not None and not self._gateway.item(entry.row).access & Access.R:
             return StatusCodes.BadNotReadable
         if wanted.IndexRange:

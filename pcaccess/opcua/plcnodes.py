@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
 from collections.abc import Callable, Iterator
 from typing import Any, Final
 
@@ -26,6 +28,8 @@ _VARIABLES: Final[dict[str, tuple[ua.VariantType, Callable[[Station], Any], str]
 }
 
 
+FIRST_SCAN: Final = 2.0
+"""Seconds that Run waits for the first scan, at most."""
 _PROGRAM: Final = (
     Argument("Name", ObjectIds.String, "Name of the program in messages"),
     Argument("Program", ObjectIds.ByteString, "The program as Micro/WIN exports it"),
@@ -86,10 +90,10 @@ class PlcNodes:
             return ()
 
         async def run() -> list[ua.Variant] | ua.StatusCode:
-            return self._switch(plc, running=True)
+            return await self._switch(plc, running=True)
 
         async def stop() -> list[ua.Variant] | ua.StatusCode:
-            return self._switch(plc, running=False)
+            return await self._switch(plc, running=False)
 
         async def take(name: ua.Variant, program: ua.Variant) -> list[ua.Variant] | ua.StatusCode:
             return await self._download(plc, name, program)
@@ -112,13 +116,16 @@ class PlcNodes:
             ua.Variant([str(problem) for problem in done.problems], ua.VariantType.String, is_array=True),
         ]
 
-    def _switch(self, plc: str, *, running: bool) -> ua.StatusCode:
+    async def _switch(self, plc: str, *, running: bool) -> ua.StatusCode:
         link = self._gateway.stations[plc].link
         cpu = link.scanning(plc) if isinstance(link, SoftLink) else None
         if cpu is None:
             return status(StatusCodes.BadNotSupported)
         if running:
             cpu.start()
+            # Answered after the first scan, so that who asks for the mode next is not told RUN of a CPU that stops.
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(cpu.write(()), FIRST_SCAN)
         else:
             cpu.stop()
         return status(StatusCodes.Good)

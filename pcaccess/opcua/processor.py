@@ -77,7 +77,7 @@ class Processor(UaProcessor):
 
     def _check_permission(self, session: Session, typeid: Any, body: Any) -> None:
         rules = self._connection.security_policy.permissions
-        if rules is not None and rules.check_validity(session.user, typeid, body) is False:
+        if rules is not None and rules.check_validity(session.user, _ALLOWED_LIKE.get(typeid, typeid), body) is False:
             raise ServiceError(StatusCodes.BadUserAccessDenied)
 
     def touch(self, session: Session) -> None:
@@ -127,6 +127,15 @@ async def _unregister_nodes(session: Session, body: Any) -> ua.UnregisterNodesRe
     await session.unregister_nodes(struct_from_binary(ua.UnregisterNodesParameters, body).NodesToUnregister)
     return ua.UnregisterNodesResponse()
 
+
+_ALLOWED_LIKE: Final = MappingProxyType[ua.NodeId, ua.NodeId](
+    {
+        standard(ObjectIds.BrowseNextRequest_Encoding_DefaultBinary): standard(
+            ObjectIds.BrowseRequest_Encoding_DefaultBinary
+        )
+    }
+)
+"""Services that asyncua's rules do not know, because it does not have them."""
 
 _SERVICES: Final = MappingProxyType[ua.NodeId, Callable[[Session, Any], Awaitable[Any]]](
     {

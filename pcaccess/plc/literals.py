@@ -14,7 +14,7 @@ from typing import Final
 
 from pcaccess.s7200.address import Address, AddressError, Width, parse_address
 from pcaccess.s7200.cpu import CpuModel
-from pcaccess.s7200.types import DataType, Value
+from pcaccess.s7200.types import DATA_TYPE_NAMES, DataType, Value
 from pcaccess.stl.constants import ConstantError, parse_number
 from pcaccess.stl.evaluate import round_to_single
 from pcaccess.stl.program import SymbolTable
@@ -52,6 +52,19 @@ def parse_target(text: str, model: CpuModel, symbols: SymbolTable) -> Target:
     if address.count != 1:
         raise LiteralError(f"{text}: one value at a time")
     return Target(text, address)
+
+
+def parse_typed(text: str, model: CpuModel, symbols: SymbolTable) -> tuple[Target, DataType]:
+    """A place to show, with a type where it matters: ``VD20:REAL``."""
+    name, colon, word = text.partition(":")
+    target = parse_target(name.strip(), model, symbols)
+    kind = DATA_TYPE_NAMES.get(word.strip().upper()) if colon else plain_type(target)
+    if kind is None:
+        raise LiteralError(f"there is no type {word}; types are {', '.join(DATA_TYPE_NAMES)}")
+    try:
+        return Target(text, target.address.as_type(kind)), kind
+    except AddressError as error:
+        raise LiteralError(str(error)) from None
 
 
 def parse_value(text: str, quoted: bool, target: Target) -> tuple[DataType, Value]:
@@ -130,7 +143,12 @@ class Expectation:
 def exactly(target: Target, text: str, quoted: bool) -> Expectation:
     """``VW10: -5``"""
     kind, value = parse_value(text, quoted, target)
-    return Expectation(target, kind, value, shown=text)
+    return Expectation(target, kind, value, shown=quote(text) if quoted else text)
+
+
+def quote(text: str) -> str:
+    """A STRING for people and XML: characters that cannot be printed as STL writes them, ``$01``."""
+    return '"' + "".join(sign if sign.isprintable() else f"${ord(sign):02X}" for sign in text) + '"'
 
 
 def between(target: Target, low: str | None, high: str | None) -> Expectation:

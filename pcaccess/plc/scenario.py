@@ -21,6 +21,7 @@ from pcaccess.plc.literals import (
     exactly,
     near,
     parse_target,
+    parse_typed,
     parse_value,
 )
 from pcaccess.plc.problems import SCENARIO
@@ -36,7 +37,7 @@ from pcaccess.stl.checker import load_program
 from pcaccess.stl.datablock import parse_data_block
 from pcaccess.stl.errors import FatalError, RunTimeError
 from pcaccess.stl.problems import Collector
-from pcaccess.stl.program import DataBlock, Program
+from pcaccess.stl.program import DataBlock, Program, SymbolTable
 
 _FILE_KEYS: Final = ("program", "cpu", "scan", "scan_load", "data", "trace", "steps")
 _STEP_KEYS: Final = ("at", "set", "expect", "mode", "error")
@@ -80,7 +81,7 @@ class Scenario:
     load: float
     data: DataBlock
     """Written into V memory after the program's own."""
-    trace: tuple[Target, ...]
+    trace: tuple[tuple[Target, DataType], ...]
     steps: tuple[Step, ...]
     """In the order of their times."""
 
@@ -212,7 +213,7 @@ class _Reader:
         self.problems.extend(collector.problems)
         return block
 
-    def _trace(self, root: Mapping) -> tuple[Target, ...]:
+    def _trace(self, root: Mapping) -> tuple[tuple[Target, DataType], ...]:
         node = root.get("trace")
         if node is None:
             return ()
@@ -222,14 +223,17 @@ class _Reader:
         targets = []
         for child in node.children:
             text = child.text if isinstance(child, Scalar) else None
-            target = None if text is None else self._target(text, self.tree.span(child))
+            target = None if text is None else self._place(parse_typed, text, self.tree.span(child))
             if target is not None:
                 targets.append(target)
         return tuple(targets)
 
     def _target(self, text: str, span: Span) -> Target | None:
+        return self._place(parse_target, text, span)
+
+    def _place(self, parse: Callable[[str, CpuModel, SymbolTable], T], text: str, span: Span) -> T | None:
         try:
-            return parse_target(text, self.model, self.program.symbols)
+            return parse(text, self.model, self.program.symbols)
         except LiteralError as error:
             self.report("SCN005", span, str(error), nearest=nearest_word(text, self.program.symbols.names()))
             return None

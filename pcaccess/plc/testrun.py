@@ -8,6 +8,7 @@ Not here: reading them (``pcaccess.plc.scenario``), the command (``pcaccess.cli.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
@@ -19,7 +20,7 @@ from pcaccess.plc.cpu import Mode
 from pcaccess.plc.errorlog import ErrorRecord
 from pcaccess.plc.executor import MakeExecutor
 from pcaccess.plc.interpreter import Interpreter
-from pcaccess.plc.literals import plain_type
+from pcaccess.plc.literals import quote
 from pcaccess.plc.scenario import Scenario, Step
 from pcaccess.plc.session import Session
 from pcaccess.problems import Problem, Span
@@ -158,16 +159,21 @@ class _Run:
 
     def _values(self) -> dict[str, Value]:
         cpu = self.session.cpu
-        return {t.text: _plain(cpu.read(t.address, plain_type(t))) for t in self.scenario.trace}
+        return {place.text: _plain(cpu.read(place.address, kind)) for place, kind in self.scenario.trace}
 
 
 def _plain(value: Value) -> Value:
+    """For JSON, which has no NaN: a text then, as in OPC UA Part 6, JSON encoding."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return "NaN" if math.isnan(value) else "Infinity" if value > 0 else "-Infinity"
     return int(value) if isinstance(value, bool) else value
 
 
 def _shown(value: Value) -> str:
     if isinstance(value, bool):
         return str(int(value))
+    if isinstance(value, str):
+        return quote(value)
     return f"{value:.9g}" if isinstance(value, float) else str(value)
 
 

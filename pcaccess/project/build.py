@@ -128,7 +128,8 @@ class _Builder:
                     "PRJ032",
                     node,
                     "type",
-                    f"this version checks {kind.value} links but does not run them; {count} items stay NOT_CONNECTED",
+                    f"this version checks {kind.value} links but does not run them; "
+                    f"{count} item{'s stay' if count > 1 else ' stays'} NOT_CONNECTED",
                 )
         if name is None:
             return None

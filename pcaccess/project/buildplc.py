@@ -107,7 +107,8 @@ class PlcBuilder:
         folders, items = content.freeze()
         plc = replace(plc, folders=folders, items=items, items_from=items_from)
         if not plc.connected and (count := sum(1 for _ in plc.all_items())):
-            message = f"{plc.item_id} is not connected, so its {count} items are NOT_CONNECTED"
+            its_items = f"{count} items are" if count > 1 else "item is"
+            message = f"{plc.item_id} is not connected, so its {its_items} NOT_CONNECTED"
             self._findings.report("PRJ033", self._tree.value_span(node, "connected"), message)
         return plc
 

@@ -39,9 +39,13 @@ class Changes:
     """Endpoint, time-outs or the rules for dynamic items."""
     folders: bool
     """Folders came, went, or got another description."""
+    programs: int = 0
+    """PLCs whose program reads differently now; who has read the programs counts them."""
 
     def __bool__(self) -> bool:
-        return bool(self.items or self.plcs or self.links or self.groups or self.server or self.folders)
+        return bool(
+            self.items or self.plcs or self.links or self.groups or self.server or self.folders or self.programs
+        )
 
     def __str__(self) -> str:
         """``2 items added, 1 changed; 1 group removed``, for the log."""
@@ -53,6 +57,8 @@ class Changes:
                 first, *others = told
                 number, verb = first.split(" ")
                 parts.append(", ".join([f"{number} {word}{'s' if number != '1' else ''} {verb}", *others]))
+        if self.programs:
+            parts.append(f"{self.programs} program{'s' if self.programs != 1 else ''} changed")
         if self.server:
             parts.append("server settings changed")
         return "; ".join(parts) if parts else ("folders changed" if self.folders else "nothing changed")

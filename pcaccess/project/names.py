@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from pcaccess.project.access import ACCESS_NAMES, Access
@@ -28,6 +28,8 @@ from pcaccess.s7200.types import DATA_TYPE_NAMES, DataType
 ANY_IP: Final = "0.0.0.0"
 """Stands where there is no IP address: PPI, and a PLC in the gateway itself."""
 MAX_STATION: Final = 126
+PC_ACCESS_ROOTS: Final = frozenset({"microwin", "mwsmart"})
+"""What PC Access and PC Access SMART put before every name. Where no link is called so, they say nothing."""
 _FORM: Final = "expected STATION,ADDRESS,TYPE or LINK:STATION:IP:TSAP:TSAP,ADDRESS,TYPE,ACCESS,HIGH,LOW"
 _HOST: Final = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*", re.ASCII)
 _TSAP: Final = re.compile(r"[0-9A-Fa-f]{1,4}", re.ASCII)
@@ -174,6 +176,7 @@ class Stations:
     """Which PLCs of a project a run-time name may mean."""
 
     def __init__(self, project: Project) -> None:
+        self._no_link = PC_ACCESS_ROOTS - {link.name.casefold() for link in project.links}
         self._by_address: dict[int, list[tuple[Link, Plc]]] = {}
         for link in project.links:
             if not link.type.has_s7_memory:
@@ -185,8 +188,10 @@ class Stations:
         """Empty: no such PLC. More than one: the name must say which link, or which IP address.
 
         TSAPs count only where the PLC has them: a name that was made for PC Access SMART (0201) or with
-        another connection's TSAPs means the same station.
+        another connection's TSAPs means the same station. So does PC Access's own root where no link has its name.
         """
+        if name.link is not None and name.link.casefold() in self._no_link:
+            name = replace(name, link=None)
         return [plc for link, plc in self._by_address.get(name.station, ()) if _fits(name, link, plc)]
 
 

@@ -280,7 +280,7 @@ class _Row:
         if len(clamps) == 2:
             self._report("PRJ036", "clamp_low", "clamped at one end only; an item is clamped at both or at none")
         if negate:
-            scaled_low, scaled_high = -scaled_low, -scaled_high
+            scaled_low, scaled_high = 0.0 - scaled_low, 0.0 - scaled_high  # no -0.0
         text.scaling = Scaling(raw_low, raw_high, scaled_low, scaled_high, clamps == {True})
         text.raw_type, text.type = self._cell("raw_type") or text.type, None
 

@@ -187,7 +187,7 @@ class _Reader:
     def _check(self, event: Any) -> None:
         if event.tag not in (None, "!"):
             name = event.tag.replace("tag:yaml.org,2002:", "!!")
-            self.faults.append(Fault("PRJ004", self._at(event, len(name)), f"the tag {name}"))
+            self.faults.append(Fault("PRJ004", self._at(event, len(name)), f"the tag {name}; {_NO_TAGS}"))
         if len(self._open) >= MAX_DEPTH:
             raise self._stop("PRJ002", self._at(event), f"nested more than {MAX_DEPTH} levels deep")
 
@@ -271,6 +271,8 @@ def _place(event: Any) -> tuple[int, int]:
     return event.start_mark.line + 1, event.start_mark.column + 1
 
 
+_NO_TABS: Final = "a tab in the indentation; indent with blanks"
+_NO_TAGS: Final = "a project file obeys none; a text that begins with ! must stand in quotes"
 _IN_OTHER_WORDS: Final = {
     "mapping values are not allowed in this context": "a ': ' where no key can stand; quote the text that holds it, "
     "or look at the indentation",
@@ -283,7 +285,7 @@ _IN_OTHER_WORDS: Final = {
     "could not find expected ':'": "a ':' is missing after the key above",
     "found character that cannot start any token": "a text that begins with @, ` or % must stand in quotes",
     "found unknown escape character": "a backslash means something in double quotes; use single quotes",
-    "found a tab character that violates indentation": "a tab in the indentation",
+    "found a tab character that violates indentation": _NO_TABS,
 }
 
 
@@ -294,7 +296,7 @@ def _syntax_fault(error: yaml.MarkedYAMLError, text: str, file: str) -> Fault:
     for number in range(min(line, len(lines) - 1), max(-1, line - 3), -1):
         indentation = lines[number][: len(lines[number]) - len(lines[number].lstrip())]
         if "\t" in indentation:
-            return Fault("PRJ003", Span(file, number + 1, indentation.index("\t") + 1), "a tab in the indentation")
+            return Fault("PRJ003", Span(file, number + 1, indentation.index("\t") + 1), _NO_TABS)
     said = error.problem or error.context or "something is wrong here"
     related: tuple[tuple[Span, str], ...] = ()
     if error.context and error.context_mark and error.context_mark.line != line:

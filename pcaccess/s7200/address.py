@@ -13,6 +13,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from enum import Enum
+from functools import lru_cache
 from typing import Final
 
 from pcaccess.s7200.types import DataType
@@ -165,8 +166,13 @@ _ADDRESS: Final = re.compile(
 _EXPECTED: Final = "expected an S7-200 address such as I0.0, VB100, VW2, MD4, T37, C5 or AIW0"
 
 
+@lru_cache(maxsize=1 << 14)
 def parse_address(text: str) -> Address:
-    """Read one address in any accepted spelling."""
+    """Read one address in any accepted spelling.
+
+    Remembered, because the same few thousand addresses come again in every PLC of a large project, and items that
+    share one need not hold a copy each.
+    """
     match = _ADDRESS.fullmatch(text.strip().upper())
     if match is None:
         raise AddressError(_explain(text.strip()))
@@ -182,7 +188,7 @@ def parse_address(text: str) -> Address:
         offset = int(match["off"])
         if offset % 2:
             raise AddressError(
-                f"{text}: analog words have even addresses; {name}{offset - 1} and {name}{offset + 1} exist"
+                f"{text}: analog words have even addresses, for example {name}{offset - 1} or {name}{offset + 1}"
             )
         return Address(_AREA_NAMES[name[:2]], offset, Width.WORD, 0, count)
     area = _AREA_NAMES[name]

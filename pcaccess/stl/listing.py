@@ -62,7 +62,7 @@ def _lines(program: Program, references: bool) -> Iterator[str]:
     if program.symbols.symbols:
         yield "//SYMBOL_TABLE"
         for symbol in program.symbols.symbols:
-            yield "//" + "\t".join((symbol.name, symbol.text, symbol.comment)).rstrip("\t")
+            yield f"//{symbol.name}\t" + "\t".join((symbol.text, symbol.comment)).rstrip("\t")
         yield "//END_SYMBOL_TABLE"
     if program.data.rows:
         yield "//DATA_BLOCK"

@@ -146,6 +146,11 @@ def _no_program(lines: Sequence[str], file: str, has_words: bool) -> Problem:
 # -- symbols and data
 
 
+def files_beside(program: Path) -> tuple[Path, ...]:
+    """Where the symbol table and the data block of a program lie, if it has them."""
+    return tuple(program.with_suffix(suffix) for suffix in (*SYMBOL_SUFFIXES, *DATA_SUFFIXES))
+
+
 def _beside(data: bytes | Path, suffixes: Sequence[str]) -> Path | None:
     if not isinstance(data, Path):
         return None

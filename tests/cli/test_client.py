@@ -58,6 +58,20 @@ async def test_browse_goes_as_deep_as_it_is_told(client: Command) -> None:
     assert [one for one in everything if one.startswith(f"{PLC}.USR1")] == [f"{PLC}.USR1", f"{PLC}.USR1.COUNTER_1"]
 
 
+async def test_a_folder_that_comes_in_pieces_is_whole(client: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = await client("browse", "-r")
+    monkeypatch.setattr("pcaccess.opcua.views.MAX_REFERENCES", 2)
+    assert (await client("browse", "-r")).out == whole.out
+
+
+async def test_a_folder_that_the_server_has_no_room_for_yet_is_asked_for_again(
+    client: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = await client("browse", "-r")
+    monkeypatch.setattr("pcaccess.opcua.views.MAX_REFERENCES_PER_REQUEST", 3)
+    assert (await client("browse", "-r")).out == whole.out
+
+
 async def test_browse_tells_programs_all_about_an_item(client: Command) -> None:
     (listed,) = json.loads((await client("browse", f"{PLC}.Temperature", "--json")).out)
     assert listed == {

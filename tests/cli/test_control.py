@@ -93,6 +93,18 @@ async def test_a_program_is_downloaded_and_runs(command: Command, served: tuple[
         pass
 
 
+async def test_a_plc_that_stops_at_once_was_not_started(command: Command, served: tuple[Path, str]) -> None:
+    folder, _ = served
+    (folder / "stops.awl").write_text(COPY.replace("= Q0.0", "LD SM0.0\nSTOP"))
+    await command("plc", "download", str(folder / "stops.awl"), "--plc", "L.Runs")
+    outcome = await command("plc", "start", "L.Runs")
+    assert (outcome.code, outcome.out) == (1, "L.Runs: STOP\n")
+    assert outcome.err == "pcaccess: L.Runs went back to STOP; the log of pcaccess run says why\n"
+    (folder / "copy.awl").write_text(COPY)
+    await command("plc", "download", str(folder / "copy.awl"), "--plc", "L.Runs")
+    assert (await command("plc", "start", "L.Runs")).out == "L.Runs: RUN\n"
+
+
 async def test_a_program_with_errors_changes_nothing(command: Command, served: tuple[Path, str]) -> None:
     folder, _ = served
     (folder / "wrong.awl").write_text(COPY.replace("= Q0.0", "= Q0.9"))

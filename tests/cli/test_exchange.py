@@ -116,3 +116,24 @@ def test_an_export_that_is_not_possible_says_why(folder: Path, arguments: tuple[
     outcome = invoke("export", *arguments)
     assert (outcome.code, outcome.out) == (1, "")
     assert words in outcome.err
+
+
+def test_a_warning_about_the_new_project_shows_the_new_project(folder: Path) -> None:
+    (folder / "USER1.txt").write_text("Pulse\tSM0.5\t\n")
+    outcome = invoke("import", "USER1.txt", "-o", "new.yaml")
+    assert "new.yaml:16:40: warning PRJ034" in outcome.err
+    assert "address: SM0.5" in outcome.err
+    assert "items.yaml" not in outcome.err
+
+
+@pytest.mark.parametrize(
+    ("data", "shown"),
+    [
+        ("Temp\tVW10\t\nNothing\tnowhere\t\n".encode("utf-16"), "     2 | Nothing nowhere"),
+        (b"\x00\x01\x00\x00Standard Jet DB\x00\x1b", None),
+    ],
+)
+def test_the_line_of_a_source_is_shown_where_it_is_text(folder: Path, data: bytes, shown: str | None) -> None:
+    (folder / "USER1.txt").write_bytes(data)
+    outcome = invoke("import", "USER1.txt")
+    assert (shown in outcome.err) if shown else len(outcome.err.splitlines()) == 1

@@ -189,6 +189,14 @@ def test_a_scenario_that_cannot_be_read_says_why_and_the_others_run(folder: Path
     assert outcome.lines[-2:] == ["passes.yaml: passed, 2 scans", "3 scenarios, 2 failed"]
 
 
+def test_a_run_time_error_that_no_step_names_is_told(folder: Path) -> None:
+    (folder / "pointer.awl").write_text(COPY.replace("INCW VW10", "MOVW *AC1, VW10"))
+    (folder / "pointer.yaml").write_text("program: pointer.awl\nsteps: [{at: 20ms, expect: {Q0.0: 0}}]\n")
+    outcome = invoke("plc", "scenario", "pointer.yaml")
+    assert (outcome.code, outcome.lines[0]) == (0, "pointer.yaml: passed, 3 scans")
+    assert outcome.lines[1].startswith("  pointer.awl:8:1: 0006 ")
+
+
 def test_junit_has_a_case_for_each_file(folder: Path) -> None:
     for name, text in (("passes", PASSES), ("fails", FAILS), ("broken", "steps: 1\n")):
         (folder / f"{name}.yaml").write_text(text)
@@ -249,6 +257,11 @@ async def test_scans_follow_each_other_and_changes_are_shown() -> None:
     assert (scanner.status.mode, scanner.status.scans) == ("RUN", 5)
 
 
+async def test_a_real_that_is_no_number_is_shown_once() -> None:
+    _, seen = await scanned("LD SM0.1\nMOVD 16#7FC00000, VD20\n", ["VD20:REAL"])
+    assert [(at, name) for at, name, _ in seen.seen] == [(0, "VD20")]
+
+
 async def test_a_run_time_error_is_told_once_and_does_not_stop() -> None:
     scanner, seen = await scanned(COPY.replace("INCW VW10", "MOVW *AC1, VW10"), [])
     assert [error.split()[0] for error in seen.errors] == ["test.awl:8:1:"]
@@ -279,7 +292,7 @@ def test_the_places_of_a_program_are_what_it_names() -> None:
 def test_lines_have_time_address_and_value(folder: Path) -> None:
     outcome = invoke("plc", "run", "copy.awl", "--watch", "Q0.0", "--set", "I0.0=1", "--for", "30ms")
     assert (outcome.code, outcome.lines) == (0, ["      ms  Address  Value", "       0  Q0.0     1"])
-    assert outcome.err.startswith("RUN, ")
+    assert re.fullmatch(r"RUN, \d+ scans?, last \S+ ms, longest \S+ ms \(.+\)\n", outcome.err)
 
 
 def test_symbols_are_shown_and_can_be_watched(folder: Path) -> None:

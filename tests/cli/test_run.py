@@ -75,17 +75,6 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-@pytest.fixture
-def serving(folder: Path) -> Iterator[tuple[Process, str]]:
-    """A process that serves, and its URL."""
-    process = Process(folder, "run", *ANY_PORT, "--json")
-    try:
-        yield process, json.loads(process.line())["url"]
-    finally:
-        process.send(signal.SIGKILL)
-        process.end()
-
-
 def test_one_json_line_says_when_clients_may_come(folder: Path) -> None:
     process = Process(folder, "run", *ANY_PORT, "--json")
     ready = json.loads(process.line())
@@ -221,13 +210,19 @@ def test_warnings_are_shown_and_it_runs(folder: Path) -> None:
     assert "PRJ021" in err
 
 
-def test_a_saved_file_is_applied_while_it_runs(folder: Path, serving: tuple[Process, str]) -> None:
-    _, url = serving
-    more = PLANT.replace("items: [{name: Motor,", "items: [{name: Extra, address: VW10}, {name: Motor,")
+def test_a_saved_file_is_applied_while_it_runs_and_told(folder: Path) -> None:
+    process = Process(folder, "run", *ANY_PORT, "--json")
+    url = json.loads(process.line())["url"]
     watching = Process(folder, "watch", "MicroWin.NewPLC.Motor", "--json", "--url", url)
     watching.line()
-    (folder / "items.yaml").write_text(more)
+    (folder / "items.yaml").write_text(
+        PLANT.replace("items: [{name: Motor,", "items: [{name: Extra, address: VW10}, {name: Motor,")
+    )
     while invoke("read", "MicroWin.NewPLC.Extra", "--url", url).code:
         pass
     watching.send(signal.SIGINT)
     assert watching.end() == (0, "", "")
+    process.send(signal.SIGTERM)
+    code, _, err = process.end()
+    assert code == 0
+    assert "items.yaml applied: 1 item added" in err

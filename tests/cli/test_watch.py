@@ -154,7 +154,8 @@ async def test_nothing_to_watch_ends_at_once(client: Command) -> None:
 
 async def test_watching_ends_in_time(client: Command) -> None:
     outcome = await client("watch", f"{PLC}.Input", "--for", "200ms", "--json")
-    assert (outcome.code, len(outcome.lines)) == (0, 1)
+    assert (outcome.code, outcome.err) == (0, "")
+    assert len(outcome.lines) <= 1  # the value at the beginning, if the machine was quick enough
 
 
 # -- a server that goes away ---------------------------------------------------------------------------------------

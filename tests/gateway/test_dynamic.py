@@ -42,6 +42,7 @@ async def test_the_run_time_name_of_an_item_is_the_same_item(gateway: MakeGatewa
         assert row is not None
         assert g.find(g.item(row).run_time_name) == row
         assert g.find(g.item(row).run_time_name.upper()) == row
+        assert g.find(g.item(row).run_time_name.removeprefix("MicroWin:")) == row
     assert g.find("2,vw0,int") == g.find("MicroWin.P.Temperature")
     assert len(g.dynamic) == 0
 
@@ -158,3 +159,19 @@ async def test_the_running_gateway_sweeps_by_itself(gateway: MakeGateway, clock:
         await clock.advance(700)
         assert len(g.dynamic) == 0
         running.cancel()
+
+
+async def test_the_root_of_pc_access_is_any_link_where_no_link_has_its_name(gateway: MakeGateway) -> None:
+    g = gateway(PROJECT)
+    assert g.find("MWSMART:2:0.0.0.0:0201:0201,VW0,INT,RW") == g.find("MicroWin.P.Temperature")
+    assert g.find("MicroWin:3,VW0,INT") is None, "a link is called MicroWin, and it has no station 3"
+
+
+async def test_a_name_that_fits_two_links_is_told_once_and_not_with_every_request(
+    gateway: MakeGateway, caplog: pytest.LogCaptureFixture
+) -> None:
+    g = gateway(PROJECT.replace("address: 3", "address: 2"))
+    for _ in range(3):
+        assert g.find("2,VW0,INT") is None
+    (told,) = caplog.messages
+    assert told == "2,VW0,INT fits MicroWin.P and Other.Q; put the link's name in front"

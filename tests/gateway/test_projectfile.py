@@ -75,6 +75,29 @@ async def test_a_broken_file_that_is_mended_is_applied(running: Running) -> None
     assert running.gateway.find("L.P.B") is not None
 
 
+async def test_a_saved_symbol_table_changes_the_program_beside_it(running: Running) -> None:
+    (running.path.parent / "p.awl").write_text("LD SM0.0\nMOVW Start, VW0\n")
+    table = running.path.with_name("p.sym")
+    table.write_text("Start\t5\t\n")
+    await running.save(ONE.replace("address: 2,", "address: 2, program: p.awl,"))
+    five = running.gateway.programs.by_station["L.P"]
+    table.write_text("Start\t1234\t\n")
+    changed = asyncio.Event()
+    running.gateway.on_structure(changed.set)
+    await running.clock.advance(1.1)
+    await asyncio.wait_for(changed.wait(), 10)
+    assert running.gateway.programs.by_station["L.P"] != five
+
+
+async def test_a_program_that_changed_is_told(running: Running) -> None:
+    (running.path.parent / "p.awl").write_text("LD SM0.0\nMOVW 5, VW0\n")
+    running.path.write_text(ONE.replace("address: 2,", "address: 2, program: p.awl,"))
+    await running.file.reload()
+    assert str(await running.file.reload()) == "nothing changed"
+    (running.path.parent / "p.awl").write_text("LD SM0.0\nMOVW 6, VW0\n")
+    assert str(await running.file.reload()) == "1 program changed"
+
+
 async def test_a_file_that_is_gone_changes_nothing(running: Running) -> None:
     running.path.unlink()
     await running.clock.advance(5)

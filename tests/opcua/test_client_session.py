@@ -76,6 +76,21 @@ async def test_the_tree_is_browsed_from_objects_down(client: ScriptedClient) -> 
     assert list(tree["PCAccess"]["USR1"]) == ["COUNTER_1"]
 
 
+async def test_a_browse_in_pieces_gives_the_whole(client: ScriptedClient) -> None:
+    node = client.node("MicroWin.NewPLC").nodeid
+    whole = [child.nodeid for child in await client.node("MicroWin.NewPLC").get_children()]
+    wanted = ua.BrowseDescription(NodeId=node, BrowseDirection=ua.BrowseDirection.Forward, ResultMask=ua.UInt32(63))
+    asked = ua.BrowseParameters(NodesToBrowse=[wanted], RequestedMaxReferencesPerNode=ua.Counter(2))
+    (piece,) = await client.opc.uaclient.browse(asked)
+    found = [reference.NodeId for reference in piece.References]
+    while piece.ContinuationPoint:
+        more = ua.BrowseNextParameters(False, [piece.ContinuationPoint])
+        (piece,) = await client.opc.uaclient.browse_next(more)
+        assert len(piece.References) <= 2
+        found += [reference.NodeId for reference in piece.References]
+    assert set(whole) <= set(found)
+
+
 async def test_the_namespaces_are_where_the_documentation_says(client: ScriptedClient) -> None:
     assert (await client.opc.get_namespace_array())[2:4] == ["urn:pcaccess:items", "urn:pcaccess:system"]
 

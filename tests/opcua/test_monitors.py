@@ -303,6 +303,7 @@ async def test_trigger_timestamp_reports_every_new_time(watch: Watch) -> None:
         ("Temperature", filter_(band=Absolute, value=float("nan")), StatusCodes.BadDeadbandFilterInvalid),
         ("Temperature", ua.EventFilter(), StatusCodes.BadMonitoredItemFilterUnsupported),
         ("Nothing", None, StatusCodes.BadNodeIdUnknown),
+        ("USR1", None, StatusCodes.BadAttributeIdInvalid),
         ("Command", None, StatusCodes.BadNotReadable),
     ],
 )

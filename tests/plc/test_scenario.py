@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -168,6 +169,18 @@ def test_the_trace_has_the_values_after_every_step(folder: Path) -> None:
     ]
 
 
+def test_a_traced_place_may_have_a_type(folder: Path) -> None:
+    steps = '  - {at: 0ms, set: {VD20: 1.5, VB30: "hi"}}'
+    outcome = run(folder, steps, trace="[VD20:REAL, VB30:string, VD20:DINT]")
+    assert outcome.as_json()["trace"][0]["values"] == {"VD20:REAL": 1.5, "VB30:string": "hi", "VD20:DINT": 0x3FC00000}
+
+
+@pytest.mark.parametrize("place", ["VW20:REAL", "VD20:FLOAT", "VD20:"])
+def test_a_traced_place_has_a_type_that_fits(folder: Path, place: str) -> None:
+    with pytest.raises(ProblemError, match="SCN005"):
+        read(folder, "  - {at: 0ms}", trace=f'["{place}"]')
+
+
 def test_scan_load_spreads_over_the_networks(folder: Path) -> None:
     (folder / "late.awl").write_text("NETWORK 1\nLD SM0.0\nTON T32, 3\nNETWORK 2\nLD T32\n= Q0.0\n")
     assert run(folder, "  - {at: 0ms, expect: {Q0.0: 0}}", "late.awl", scan_load="4ms").passed
@@ -234,6 +247,19 @@ def test_junit_counts_and_names_failures(folder: Path) -> None:
     suite = ElementTree.fromstring(junit([good, bad]))
     assert (suite.get("tests"), suite.get("failures")) == ("2", "1")
     assert [case.find("failure") is None for case in suite] == [True, False]
+
+
+def test_a_text_that_cannot_be_printed_does_not_break_junit(folder: Path) -> None:
+    bad = run(folder, '  - {at: 0ms, expect: {VB400: "abc"}}', data='"VB400 3,1,65,0"')
+    assert failures(bad) == ['test.yaml:4:6: at 0ms: VB400 is "$01A$00", expected "abc"']
+    suite = ElementTree.fromstring(junit([bad]))
+    assert failures(bad) == [failure.text for failure in suite.iter("failure")]
+
+
+@pytest.mark.parametrize(("dword", "told"), [("7FC00000", "NaN"), ("7F800000", "Infinity"), ("FF800000", "-Infinity")])
+def test_what_json_has_no_number_for_is_a_text(folder: Path, dword: str, told: str) -> None:
+    bad = run(folder, f"  - {{at: 0ms, set: {{VD20: 16#{dword}}}, expect: {{VD20: 1.5}}}}")
+    assert json.dumps(bad.as_json()["failures"], allow_nan=False).endswith(f'"actual": "{told}"}}]')
 
 
 def test_mode_names_are_those_of_the_cpu() -> None:

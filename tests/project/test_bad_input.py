@@ -30,6 +30,9 @@ groups:
 """
 
 
+NO_TAGS = "a project file obeys none; a text that begins with ! must stand in quotes"
+
+
 def refusal(data: bytes | str, tmp_path: Path) -> str:
     """The only line a user sees about this file."""
     path = tmp_path / "items.yaml"
@@ -46,8 +49,11 @@ def refusal(data: bytes | str, tmp_path: Path) -> str:
         ("", "items.yaml:1:1: PRJ007 the file is empty"),
         ("# nothing yet\n", "items.yaml:1:1: PRJ007 the file is empty"),
         ("~\n", "items.yaml:1:1: PRJ007 the file is empty"),
-        ("links:\n\t- name: x\n", "items.yaml:2:1: PRJ003 a tab in the indentation"),
-        ("links:\n  - name: a\n  \t  type: soft\n", "items.yaml:3:3: PRJ003 a tab in the indentation"),
+        ("links:\n\t- name: x\n", "items.yaml:2:1: PRJ003 a tab in the indentation; indent with blanks"),
+        (
+            "links:\n  - name: a\n  \t  type: soft\n",
+            "items.yaml:3:3: PRJ003 a tab in the indentation; indent with blanks",
+        ),
         (
             "- a\n- b\n",
             "items.yaml:1:1: PRJ010 a project file consists of keys; expected 'project:', 'links:' and so on",
@@ -70,10 +76,10 @@ def refusal(data: bytes | str, tmp_path: Path) -> str:
         ("links: \x07\n", "items.yaml:1:8: PRJ002 the character '\\x07'"),
         (
             "links: !!python/object/apply:os.system [ls]",
-            "items.yaml:1:8: PRJ004 the tag !!python/object/apply:os.system",
+            f"items.yaml:1:8: PRJ004 the tag !!python/object/apply:os.system; {NO_TAGS}",
         ),
-        ("links: !!int 5", "items.yaml:1:8: PRJ004 the tag !!int"),
-        ("links: !mine {a: b}", "items.yaml:1:8: PRJ004 the tag !mine"),
+        ("links: !!int 5", f"items.yaml:1:8: PRJ004 the tag !!int; {NO_TAGS}"),
+        ("links: !mine {a: b}", f"items.yaml:1:8: PRJ004 the tag !mine; {NO_TAGS}"),
         ("links: []\nlinks: []\n", "items.yaml:2:1: PRJ006 the key 'links' stands here twice"),
         (
             "links: []\nproject: K\xf6ln".encode("cp1252"),

@@ -83,7 +83,7 @@ def test_other_spellings_mean_the_same_place(text: str, usual: str) -> None:
         ("AC0.1", "AC0.1: AC takes only a number"),
         ("AI0", "AI0: analog values are words; write AIW0"),
         ("ai4", "write AIW4"),
-        ("AIW3", "AIW3: analog words have even addresses; AIW2 and AIW4 exist"),
+        ("AIW3", "AIW3: analog words have even addresses, for example AIW2 or AIW4"),
         ("AIW0.1", "AIW0.1: analog values are words"),
         ("DB2.DBW0", "DB2.DBW0: an S7-200 has only data block 1"),
         ("DB1.DBW0.1", "only a bit has a '.'"),

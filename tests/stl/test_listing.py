@@ -104,3 +104,10 @@ def test_texts_of_a_code_page_survive_the_change_to_utf_8() -> None:
     assert '"温度 25°C"' in text
     assert "'$A1$E3'" in text  # alone, the degree sign of a UTF-8 file would become another byte
     assert read_program(text.encode()).program == program
+
+
+def test_a_symbol_without_an_address_stays_in_the_table() -> None:
+    program = read_program(b"LD I0.0\n= Q0.0\n//SYMBOL_TABLE\n//Later\t\n//Start\tI0.0\n//END_SYMBOL_TABLE\n").unwrap()
+    again = read_program(list_program(program).encode())
+    assert again.unwrap() == program
+    assert [(symbol.name, symbol.text) for symbol in program.symbols.symbols] == [("Later", ""), ("Start", "I0.0")]

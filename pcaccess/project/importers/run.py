@@ -57,12 +57,13 @@ def import_file(
     folder: str | None = None,
     encoding: str | None = None,
     max_size: int = MAX_SIZE,
+    target: str = "items.yaml",
 ) -> ImportResult:
     """The project that ``source`` describes.
 
     ``link``, ``plc`` and ``folder`` name what symbol tables and tag tables do not say; a symbol table goes into a
     folder of its file's name unless ``folder`` says otherwise (empty: none). ``encoding`` is for files whose letters
-    come out wrong.
+    come out wrong. ``target`` is the file that problems of the new project name.
     """
     try:
         found, draft = _read(source, read_bytes(source, max_size), kind, link, plc, folder, encoding)
@@ -74,7 +75,7 @@ def import_file(
             [*_refusal(source, TextError("there is no item in it that an S7-200 could have")), *draft.warnings]
         )
     text = yaml_of(draft, source.stem)
-    loaded = load_text(text, "items.yaml")
+    loaded = load_text(text, target)
     warnings = sorted((*draft.warnings, *loaded.warnings), key=lambda problem: problem.span)
     return ImportResult(found, text, tuple(warnings), _counts(loaded.project, draft.left_out))
 
