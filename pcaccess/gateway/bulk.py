@@ -1,11 +1,12 @@
-"""Many numbers to many items at once: the rules of ``writing`` hold because only items are taken that none applies to.
+"""Values to PLC memory as they came: the rules of ``writing`` hold because only items are taken that none applies to.
 
-A plan is made once for a list of rows and can be used while these rows mean the same items.
+Units:    data are the bytes as they stand in PLC memory, big-endian; offsets are of ``pcaccess.s7200.memory``.
+Errors:   what cannot be done so is None, with nothing written; :meth:`Gateway.write` does it then, value by value.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -13,10 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pcaccess.gateway.station import Station
-from pcaccess.gateway.writing import is_verbatim
-from pcaccess.links.base import Outcome, RawBlock
-from pcaccess.s7200.address import Address
-from pcaccess.s7200.memory import MEMORY_SIZE, locate
+from pcaccess.links.base import Outcome, RawBlock, RawWrite
+from pcaccess.s7200.memory import MEMORY_SIZE
 from pcaccess.s7200.types import DataType
 
 if TYPE_CHECKING:
@@ -24,78 +23,84 @@ if TYPE_CHECKING:
 
 
 @dataclass(slots=True)
-class Target:
-    """Rows of one type of one PLC, and which places of the request they have."""
+class Columns:
+    """Places of verbatim items (``writing.is_verbatim``), one after the other."""
 
-    raw_type: DataType
-    positions: NDArray[np.int64]
+    stations: NDArray[np.int32]
+    """Equal numbers are equal PLCs."""
+    types: NDArray[np.uint8]
+    """Index into ``TYPES``."""
     offsets: NDArray[np.int64]
     bits: NDArray[np.uint8]
 
 
-class BulkPlan:
-    """Where the values of a request go. Use :func:`plan_bulk`."""
-
-    def __init__(self, stations: dict[Station, list[Target]]) -> None:
-        self._stations = stations
-
-    @property
-    def targets(self) -> list[Target]:
-        """In the order that :meth:`write` takes their data in."""
-        return [target for targets in self._stations.values() for target in targets]
-
-    def write(self, data: Sequence[NDArray[np.uint8]]) -> list[Outcome] | None:
-        """Per target the bytes of its values, big-endian; gives the outcome of each target.
-
-        None, with nothing written, where a PLC has to be waited for by now.
-        """
-        if not all(station.link.takes_blocks(station.name) for station in self._stations):
-            return None
-        outcomes: list[Outcome] = []
-        rest = iter(data)
-        for station, targets in self._stations.items():
-            blocks = [RawBlock(t.raw_type, t.offsets, t.bits, next(rest)) for t in targets]
-            outcomes += [station.link.write_blocks(station.name, blocks)] * len(targets)
-        return outcomes
+TYPES = tuple(DataType)
 
 
-def plan_bulk(gateway: Gateway, rows: Sequence[int]) -> BulkPlan | None:
-    """A plan for these rows; None where one of them has rules to keep, a byte is written twice, or a PLC is slow.
+def write_blocks(
+    columns: Columns,
+    station_of: Callable[[int], Station],
+    data_of: Callable[[NDArray[np.intp], DataType], NDArray[np.uint8]],
+) -> list[Outcome] | None:
+    """Write all places of the columns; gives the outcome of each.
 
-    Then :meth:`Gateway.write` does it, value by value.
+    ``data_of(positions, type)`` gives a row of bytes per position. None where a bit is written twice, so that the
+    order matters, or a PLC has to be waited for.
     """
-    members: dict[Station, dict[DataType, list[tuple[int, int, int]]]] = {}
-    for position, row in enumerate(rows):
-        item = gateway.item(row)
-        if not is_verbatim(item) or not isinstance(item.address, Address):
+    groups: list[tuple[Station, DataType, NDArray[np.intp]]] = []
+    keys = columns.stations.astype(np.int64) * len(TYPES) + columns.types
+    for key in np.unique(keys).tolist():
+        number, type_ = divmod(key, len(TYPES))
+        groups.append((station_of(number), TYPES[type_], np.flatnonzero(keys == key)))
+    by_station: dict[Station, list[tuple[DataType, NDArray[np.intp]]]] = {}
+    for station, raw_type, positions in groups:
+        by_station.setdefault(station, []).append((raw_type, positions))
+    for station, members in by_station.items():
+        if not station.link.takes_blocks(station.name) or _overlap(columns, members):
             return None
-        offset, bit = locate(item.address)
-        by_type = members.setdefault(gateway.station(row), {})
-        by_type.setdefault(item.raw_type, []).append((position, offset, bit))
-    stations: dict[Station, list[Target]] = {}
-    for station, by_type in members.items():
-        if not station.link.takes_blocks(station.name):
-            return None
-        stations[station] = [_target(raw_type, places) for raw_type, places in by_type.items()]
-        if _overlap(stations[station]):
-            return None
-    return BulkPlan(stations)
+    outcomes = [Outcome.DONE] * len(keys)
+    for station, members in by_station.items():
+        blocks = [RawBlock(t, columns.offsets[p], columns.bits[p], data_of(p, t)) for t, p in members]
+        outcome = station.link.write_blocks(station.name, blocks)
+        if outcome is not Outcome.DONE:
+            for _, positions in members:
+                for position in positions.tolist():
+                    outcomes[position] = outcome
+    return outcomes
 
 
-def _target(raw_type: DataType, places: list[tuple[int, int, int]]) -> Target:
-    columns = np.array(places, np.int64).T
-    return Target(raw_type, columns[0], columns[1], columns[2].astype(np.uint8))
-
-
-def _overlap(targets: list[Target]) -> bool:
-    """Whether a bit is written twice, so that the order of the writes matters."""
+def _overlap(columns: Columns, members: Sequence[tuple[DataType, NDArray[np.intp]]]) -> bool:
+    """Whether a bit of one PLC is written twice."""
     written = np.zeros(MEMORY_SIZE, np.uint8)
     total = 0
-    for target in targets:
-        if target.raw_type is DataType.BOOL:
-            np.bitwise_or.at(written, target.offsets, np.left_shift(np.uint8(1), target.bits))
-            total += len(target.offsets)
-        else:
-            written[target.offsets[:, None] + np.arange(target.raw_type.size)] = 0xFF
-            total += 8 * target.raw_type.size * len(target.offsets)
-    return int(np.unpackbits(written).sum()) != total
+    bits: NDArray[np.intp] | None = None
+    for raw_type, positions in members:
+        if raw_type is DataType.BOOL:
+            bits = positions
+            continue
+        written[columns.offsets[positions][:, None] + np.arange(raw_type.size)] = 1
+        total += raw_type.size * len(positions)
+    if bits is not None:
+        places = columns.offsets[bits] * 8 + columns.bits[bits]
+        if written[columns.offsets[bits]].any() or len(np.unique(places)) != len(places):
+            return True
+    return int(written.sum(dtype=np.int64)) != total
+
+
+def write_few(gateway: Gateway, writes: Sequence[tuple[int, bytes]]) -> list[Outcome] | None:
+    """Write verbatim items in order, by row; None where a PLC has to be waited for."""
+    batches: dict[Station, list[int]] = {}
+    for n, (row, _) in enumerate(writes):
+        batches.setdefault(gateway.station(row), []).append(n)
+    if not all(station.link.is_prompt(station.name) for station in batches):
+        return None
+    outcomes = [Outcome.DONE] * len(writes)
+    for station, members in batches.items():
+        raw = []
+        for n in members:
+            row, data = writes[n]
+            item = gateway.item(row)
+            raw.append(RawWrite(item.item_id, item.address, item.raw_type, data))
+        for n, outcome in zip(members, station.link.write_now(station.name, raw), strict=True):
+            outcomes[n] = outcome
+    return outcomes

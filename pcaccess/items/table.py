@@ -272,6 +272,10 @@ class ItemTable:
         """Kind index and place in the kind's block of each row, for readers of :meth:`block`."""
         return self._kind[rows], self._place[rows]
 
+    def place(self, row: int) -> tuple[int, int]:
+        """The same of one row."""
+        return int(self._kind[row]), int(self._place[row])
+
     def block(self, kind: int) -> NDArray[Any]:
         """Records of one kind; replaced by a larger array when ``generation`` grows."""
         return self._blocks[kind]

@@ -148,14 +148,14 @@ class Connection(OPCUAProtocol):
 
     def _take(self, frames: Iterable[bytes]) -> None:
         replies: list[bytes] = []
-        size = 0
+        size, now = 0, self.iserver.plane.gateway.now()
         for frame in frames:
             if self._closing:
                 return
             if self._choked:
                 self._waiting.append(frame)
                 continue
-            answer = self._answer(frame)
+            answer = self._answer(frame, now)
             if isinstance(answer, bytes):
                 replies.append(answer)
                 size += len(answer)
@@ -175,12 +175,12 @@ class Connection(OPCUAProtocol):
             self.transport.write(b"".join(replies))
         replies.clear()
 
-    def _answer(self, frame: bytes) -> bytes | Job | None:
+    def _answer(self, frame: bytes, now: int) -> bytes | Job | None:
         """What the data plane makes of a frame, unless another request waits before it."""
         if self._queued or self._fast is None:
             return None
         try:
-            return self._fast.answer(frame)
+            return self._fast.answer(frame, now)
         except Exception:
             log.exception("the data plane failed; asyncua takes the request")
             return None

@@ -15,11 +15,12 @@ from asyncua.common.connection import MessageChunk, SecureConnection
 from asyncua.crypto.security_policies import CryptographyNone
 from cryptography.exceptions import InvalidSignature
 
-from pcaccess.opcua.fast.frames import FINAL, INTERMEDIATE, SECURE_HEADER
+from pcaccess.opcua.fast.frames import FINAL, INTERMEDIATE, NO_HEADER, RESPONSE, SECURE_HEADER
 
 _IDS: Final = struct.Struct("<II")
 _CHUNK: Final = struct.Struct("<4sI8sII")
 _CHUNK_HEADER: Final = struct.Struct("<4sI8s")
+_SINGLE: Final = struct.Struct(_CHUNK.format + RESPONSE.format.removeprefix("<"))
 _WRAP: Final = 1 << 32
 
 
@@ -67,6 +68,22 @@ class Channel:
     def chunks(self, size: int) -> int:
         """How many chunks a message of ``size`` bytes takes."""
         return -(-size // self._portion)
+
+    def respond(
+        self, request_id: int, type_id: bytes, now: int, handle: bytes, result: int, parameters: bytes
+    ) -> bytes:
+        """A whole response: headers and parameters, as chunks on the wire."""
+        size = RESPONSE.size + len(parameters)
+        if self._crypto is not None or size > self._portion:
+            head = RESPONSE.pack(type_id, now, handle, result, 0, -1, NO_HEADER)
+            return self.seal(request_id, head + parameters)
+        connection = self._connection
+        number = connection._sequence_number + 1
+        connection._sequence_number = number = number if number < _WRAP else 1
+        head = _SINGLE.pack(
+            FINAL, 24 + size, self._ids, number, request_id, type_id, now, handle, result, 0, -1, NO_HEADER
+        )
+        return head + parameters
 
     def seal(self, request_id: int, body: bytes) -> bytes:
         """A response as chunks on the wire."""

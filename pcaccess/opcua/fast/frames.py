@@ -29,10 +29,11 @@ SERVICE_FAULT: Final = b"\x01\x00\x8d\x01"
 
 _SIZE: Final = struct.Struct("<I")
 _INT: Final = struct.Struct("<i")
-_RESPONSE: Final = struct.Struct("<4sq4sIBi3s")
-_NULL_TEXT: Final = b"\xff\xff\xff\xff"
-_PLAIN_TAIL: Final = b"\x00\x00\x00"
+RESPONSE: Final = struct.Struct("<4sq4sIBi3s")
+"""TypeId and response header: time, request handle, result, no diagnostics, no strings, no additional header."""
+NO_HEADER: Final = b"\x00\x00\x00"
 """An additional header that is not there: null TypeId, no body."""
+_NULL_TEXT: Final = b"\xff\xff\xff\xff"
 
 
 class FrameError(Exception):
@@ -90,14 +91,9 @@ def skip_header(request: bytes, at: int) -> tuple[bytes, int] | None:
             return None
         after = audit + 4 + length
     after += 4  # timeoutHint
-    if not request.startswith(_PLAIN_TAIL, after):
+    if not request.startswith(NO_HEADER, after):
         return None
     return handle, after + 3
-
-
-def response_header(type_id: bytes, now: int, handle: bytes, result: int = 0) -> bytes:
-    """TypeId and response header, without diagnostics."""
-    return _RESPONSE.pack(type_id, now, handle, result, 0, -1, _PLAIN_TAIL)
 
 
 def error_message(status: int, reason: str) -> bytes:

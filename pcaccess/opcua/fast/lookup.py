@@ -16,6 +16,7 @@ import numpy as np
 from asyncua import ua
 from numpy.typing import NDArray
 
+from pcaccess.gateway.bulk import TYPES, Columns
 from pcaccess.gateway.gateway import Gateway
 from pcaccess.gateway.station import Station
 from pcaccess.gateway.writing import is_verbatim
@@ -24,6 +25,8 @@ from pcaccess.items.varianttypes import VARIANT_TYPES
 from pcaccess.opcua.ids import ITEMS, SYSTEM
 from pcaccess.opcua.space import Space
 from pcaccess.project.model import Access
+from pcaccess.s7200.address import Address
+from pcaccess.s7200.memory import locate
 
 MAX_NAMES: Final = 262_144
 """Encoded NodeIds that are remembered; one more forgets them all."""
@@ -59,6 +62,9 @@ class Lookup:
         self._flags: NDArray[np.uint8] = np.zeros(0, np.uint8)
         self._types: NDArray[np.uint8] = np.zeros(0, np.uint8)
         self._station: NDArray[np.int32] = np.zeros(0, np.int32)
+        self._raw: NDArray[np.uint8] = np.zeros(0, np.uint8)
+        self._offset: NDArray[np.int64] = np.zeros(0, np.int64)
+        self._bit: NDArray[np.uint8] = np.zeros(0, np.uint8)
         self._stations: list[Station] = []
         self._station_numbers: dict[int, int] = {}
         self._removals = gateway.table.removals
@@ -117,6 +123,12 @@ class Lookup:
         self._learn(rows)
         return self._flags[rows]
 
+    def fact(self, row: int) -> tuple[int, Station]:
+        """Facts and PLC of one row."""
+        if row >= len(self._flags) or not self._flags[row]:
+            self._learn(np.array([row]))
+        return int(self._flags[row]), self._stations[self._station[row]]
+
     def variant_types(self, rows: Rows) -> NDArray[np.uint8]:
         """OPC UA type number that a single value of each row has; 0 for arrays. After :meth:`flags`."""
         return self._types[rows]
@@ -125,18 +137,23 @@ class Lookup:
         """The PLCs of some rows. After :meth:`flags`."""
         return [self._stations[n] for n in dict.fromkeys(self._station[rows].tolist())]
 
-    def station_numbers(self, rows: Rows) -> NDArray[np.int32]:
-        """For grouping: equal numbers are equal PLCs, see :meth:`station`. After :meth:`flags`."""
-        return self._station[rows]
+    def variant_type(self, row: int) -> int:
+        """The same of one row. After :meth:`fact`."""
+        return int(self._types[row])
+
+    def columns(self, rows: Rows) -> Columns:
+        """Where the values of verbatim rows go. After :meth:`flags`."""
+        return Columns(self._station[rows], self._raw[rows], self._offset[rows], self._bit[rows])
 
     def station(self, number: int) -> Station:
+        """The PLC of a number in :meth:`columns`."""
         return self._stations[number]
 
     def _learn(self, rows: Rows) -> None:
         highest = int(rows.max(initial=-1))
         if highest >= len(self._flags):
             size = max(1024, 2 * (highest + 1))
-            for name in ("_flags", "_types", "_station"):
+            for name in ("_flags", "_types", "_station", "_raw", "_offset", "_bit"):
                 old = getattr(self, name)
                 column = np.zeros(size, old.dtype)
                 column[: len(old)] = old
@@ -152,8 +169,10 @@ class Lookup:
             flags |= READABLE
         if item.access & Access.W:
             flags |= WRITABLE
-        if is_verbatim(item):
+        if is_verbatim(item) and isinstance(item.address, Address):
             flags |= VERBATIM
+            self._raw[row] = TYPES.index(item.raw_type)
+            self._offset[row], self._bit[row] = locate(item.address)
         if station.polled:
             flags |= POLLED
         if row in gateway.dynamic:

@@ -20,18 +20,20 @@ from asyncua.ua.status_codes import StatusCodes
 from asyncua.ua.ua_binary import nodeid_to_binary
 
 from pcaccess.gateway.gateway import Gateway
+from pcaccess.items.ticks import TICKS_PER_SECOND
 from pcaccess.opcua.fast.channel import Channel
 from pcaccess.opcua.fast.frames import (
     READ_REQUEST,
     READ_RESPONSE,
+    RESPONSE,
     SERVICE_FAULT,
     WRITE_REQUEST,
     WRITE_RESPONSE,
-    response_header,
     skip_header,
 )
 from pcaccess.opcua.fast.lookup import Lookup
-from pcaccess.opcua.fast.reads import ReadPlan, Reads
+from pcaccess.opcua.fast.readplans import ReadPlan
+from pcaccess.opcua.fast.reads import Reads
 from pcaccess.opcua.fast.writes import WriteRequest, Writes
 from pcaccess.opcua.ids import standard
 from pcaccess.opcua.limits import MAX_MESSAGE
@@ -47,6 +49,10 @@ _READ_TYPE: Final = standard(ObjectIds.ReadRequest_Encoding_DefaultBinary)
 _WRITE_TYPE: Final = standard(ObjectIds.WriteRequest_Encoding_DefaultBinary)
 _NEVER: Final = b"\xff"
 """What no request begins with, for a user who may not."""
+_TOUCH: Final = TICKS_PER_SECOND // 2
+"""How often a session in use is told so."""
+_SURELY_FITS: Final = 8_000
+"""Bytes that every client takes (``limits.MIN_FRAME``)."""
 _SEQUENCE: Final = struct.Struct("<II")
 
 Job = Callable[[], Awaitable[bytes]]
@@ -85,42 +91,42 @@ class FastPath:
         self._plane = plane
         self._processor = processor
         self._ready: _Ready | None = None
+        self._touched = 0
 
     def forget(self) -> None:
         """Something else came: channel and session may be others now."""
         self._ready = None
+        self._touched = 0
 
-    def answer(self, frame: bytes) -> bytes | Job | None:
-        """The reply to a frame, or what will give it. None, with nothing touched, for asyncua."""
-        ready = self._ready
+    def answer(self, frame: bytes, now: int) -> bytes | Job | None:
+        """The reply to a frame, or what will give it; ``now`` in ticks. None, with nothing touched, for asyncua."""
+        ready = self._ready or self._prepare()
         if ready is None:
-            ready = self._prepare()
-            if ready is None:
-                return None
-        session = ready.session
+            return None
+        session, channel = ready.session, ready.channel
         if session.channel is not self._processor or not session.is_activated():
             return None
-        opened = ready.channel.open(frame)
+        opened = channel.open(frame)
         if opened is None:
             return None
         plain, at = opened
-        if len(plain) < at + _SEQUENCE.size:
+        if len(plain) < at + 8:
             return None
         sequence, request_id = _SEQUENCE.unpack_from(plain, at)
-        at += _SEQUENCE.size
+        at += 8
         is_read = plain.startswith(ready.read, at)
-        if not is_read and not plain.startswith(ready.write, at):
-            return None
-        if not ready.channel.is_next(sequence):
+        if not (is_read or plain.startswith(ready.write, at)) or not channel.is_next(sequence):
             return None
         header = skip_header(plain, at + len(ready.read))
         if header is None:
             return None
-        handle, parameters = header
-        call = _Call(self, ready.channel, sequence, request_id, handle)
-        body = plain[parameters:]
-        reply = self._read(call, session, body) if is_read else self._write(call, session, body)
-        if reply is not None:
+        call = _Call(self._plane, self._processor, channel, sequence, request_id, header[0])
+        if is_read:
+            reply = self._read(call, session, plain, header[1], now)
+        else:
+            reply = self._write(call, session, plain[header[1] :], now)
+        if reply is not None and not 0 <= now - self._touched <= _TOUCH:  # wall clocks go back, too
+            self._touched = now
             self._processor.touch(session)
         return reply
 
@@ -141,77 +147,82 @@ class FastPath:
         self._ready = _Ready(Channel(connection), session, read, write)
         return self._ready
 
-    def _read(self, call: _Call, session: Session, body: bytes) -> bytes | Job | None:
+    def _read(self, call: _Call, session: Session, request: bytes, at: int, now: int) -> bytes | Job | None:
         reads = self._plane.reads
-        plan = reads.plan(body, session, session.registered)
+        plan = reads.plan(request, at, session, session.registered)
         if plan is None:
             return None
         if not plan.polled:
-            return call.accepted(READ_RESPONSE, reads.reply(plan))
+            return call.done(READ_RESPONSE, reads.reply(plan, now), now)
         call.accept()
-        return lambda: self._read_later(call, session, body, plan)
+        return lambda: self._read_later(call, session, request, at, plan)
 
-    async def _read_later(self, call: _Call, session: Session, body: bytes, plan: ReadPlan) -> bytes:
+    async def _read_later(self, call: _Call, session: Session, request: bytes, at: int, plan: ReadPlan) -> bytes:
         reads = self._plane.reads
-        await reads.fetch(plan)
-        again = reads.plan(body, session, session.registered)  # rows may have gone while it waited
+        await reads.fetch(plan, reads.max_age(request, at))
+        again = reads.plan(request, at, session, session.registered)  # rows may have gone while it waited
+        now = self._plane.gateway.now()
         if again is None:
-            return call.fault(StatusCodes.BadInvalidState)
-        return call.reply(READ_RESPONSE, reads.reply(again))
+            return call.fault(StatusCodes.BadInvalidState, now)
+        return call.reply(READ_RESPONSE, reads.reply(again, now), now)
 
-    def _write(self, call: _Call, session: Session, body: bytes) -> bytes | Job | None:
+    def _write(self, call: _Call, session: Session, body: bytes, now: int) -> bytes | Job | None:
         writes = self._plane.writes
         request = writes.parse(body, session.registered)
         if request is None:
             return None
         done = writes.write_now(request)
         if done is not None:
-            return call.accepted(WRITE_RESPONSE, done)
+            return call.done(WRITE_RESPONSE, done, now)
         call.accept()
         return lambda: self._write_later(call, request)
 
     async def _write_later(self, call: _Call, request: WriteRequest) -> bytes:
-        return call.reply(WRITE_RESPONSE, await self._plane.writes.write(request))
-
-    def count(self) -> None:
-        self._plane.answered += 1
-
-    def now(self) -> int:
-        return self._plane.gateway.now()
-
-    def fits(self, channel: Channel, size: int) -> bool:
-        """Whether the client takes a response of that size."""
-        limits = self._processor._limits
-        most = getattr(limits, "max_response", MAX_MESSAGE)
-        chunks = getattr(limits, "max_response_chunks", 0)
-        return size <= most and (not chunks or channel.chunks(size) <= chunks)
+        done = await self._plane.writes.write(request)
+        return call.reply(WRITE_RESPONSE, done, self._plane.gateway.now())
 
 
-@dataclass(slots=True)
 class _Call:
     """One request that will be answered here."""
 
-    path: FastPath
-    channel: Channel
-    sequence: int
-    request_id: int
-    handle: bytes
+    __slots__ = ("_channel", "_handle", "_limits", "_plane", "_request_id", "_sequence")
+
+    def __init__(
+        self,
+        plane: DataPlane,
+        processor: Processor,
+        channel: Channel,
+        sequence: int,
+        request_id: int,
+        handle: bytes,
+    ) -> None:
+        self._plane = plane
+        self._limits = processor._limits
+        self._channel = channel
+        self._sequence = sequence
+        self._request_id = request_id
+        self._handle = handle
 
     def accept(self) -> None:
         """The request is ours from now on."""
-        self.path.count()
-        self.channel.accept(self.sequence)
+        self._plane.answered += 1
+        self._channel.accept(self._sequence)
 
-    def accepted(self, type_id: bytes, parameters: bytes) -> bytes:
+    def done(self, type_id: bytes, parameters: bytes, now: int) -> bytes:
         """The reply to a request that is done; until here a failure left it to asyncua."""
         self.accept()
-        return self.reply(type_id, parameters)
+        return self.reply(type_id, parameters, now)
 
-    def reply(self, type_id: bytes, parameters: bytes) -> bytes:
-        body = response_header(type_id, self.path.now(), self.handle) + parameters
-        if not self.path.fits(self.channel, len(body)):
-            return self.fault(StatusCodes.BadResponseTooLarge)
-        return self.channel.seal(self.request_id, body)
+    def reply(self, type_id: bytes, parameters: bytes, now: int) -> bytes:
+        if len(parameters) > _SURELY_FITS and not self._fits(len(parameters) + RESPONSE.size):
+            return self.fault(StatusCodes.BadResponseTooLarge, now)
+        return self._channel.respond(self._request_id, type_id, now, self._handle, 0, parameters)
 
-    def fault(self, status: int) -> bytes:
-        return self.channel.seal(self.request_id, response_header(SERVICE_FAULT, self.path.now(), self.handle, status))
+    def _fits(self, size: int) -> bool:
+        """Whether the client takes a response of that size."""
+        most = getattr(self._limits, "max_response", MAX_MESSAGE)
+        chunks = getattr(self._limits, "max_response_chunks", 0)
+        return size <= most and (not chunks or self._channel.chunks(size) <= chunks)
+
+    def fault(self, status: int, now: int) -> bytes:
+        return self._channel.respond(self._request_id, SERVICE_FAULT, now, self._handle, status, b"")
