@@ -24,7 +24,7 @@ from tests.differential.operands import FIRST_REAL, POINTED, operand
 
 _CONTROL: Final = ("CALL", "FOR", "NEXT", "JMP", "LBL", "END", "MEND", "STOP", "CRET", "RET", "LDS", "NOP")
 _SEQUENCE: Final = ("LSCR", "SCRT", "SCRE", "CSCRE")
-_INTERRUPTS: Final = ("ATCH", "DTCH", "ENI", "DISI", "CRETI", "RETI")
+_INTERRUPTS: Final = ("ATCH", "DTCH", "ENI", "DISI", "CRETI", "RETI", "HDEF")
 RUNNABLE: Final = {name: d for name, d in DEFINITIONS.items() if d.body is not None}
 GENERIC: Final = {name: d for name, d in RUNNABLE.items() if name not in _CONTROL + _SEQUENCE + _INTERRUPTS}
 LOADS: Final = [d for d in GENERIC.values() if d.power is Power.CONTACT and d.stack.delta == 1]
@@ -220,7 +220,7 @@ class _Writer:
     def rare(self, pou: _Pou) -> None:
         """Ends of all kinds, and interrupts."""
         leave = {"main": "END", "sbr": "CRET", "int": "CRETI"}[pou.kind]
-        choices = ["STOP"]
+        choices = ["STOP"] if pou.kind == "int" else ["STOP", "HDEF 0, 1"]
         if leave in RUNNABLE and not (leave == "END" and pou.in_segment):
             choices += [leave] * 3
         if "ATCH" in RUNNABLE and self.interrupts:
