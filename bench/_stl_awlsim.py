@@ -14,10 +14,10 @@ from typing import Any
 
 
 def load(text: str, memory: list[list[object]]) -> Any:
-    import awlsim_loader.common
-    import awlsim_loader.core  # its modules know each other only when they are loaded in this order
-    from awlsim_loader.awlcompiler import AwlParser
-    from awlsim_loader.core import AwlSim
+    # Its modules know each other only when they are loaded in this order.
+    import awlsim_loader.common  # noqa: F401
+    from awlsim_loader.core import AwlSim  # isort: skip
+    from awlsim_loader.awlcompiler import AwlParser  # isort: skip
 
     parser = AwlParser()
     parser.parseText(text)

@@ -132,7 +132,9 @@ class _Function:
     def fits(self, op: ir.Fits) -> str:
         low, high = f"{op.type.low - 1 if op.a.type.real else op.type.low}LL", op.type.high
         if op.a.type.real:
-            return f"v{op.out.index} = {self.name(op.a)} > {low}.0 && {self.name(op.a)} < {high + 1}.0;".replace("LL", "")
+            return f"v{op.out.index} = {self.name(op.a)} > {low}.0 && {self.name(op.a)} < {high + 1}.0;".replace(
+                "LL", ""
+            )
         return f"v{op.out.index} = {self.name(op.a)} >= {low} && {self.name(op.a)} <= {high}LL;"
 
     def bitcast(self, op: ir.Bitcast) -> str:
@@ -223,5 +225,3 @@ def has_gcc() -> bool:
     except (OSError, subprocess.CalledProcessError):
         return False
     return True
-
-

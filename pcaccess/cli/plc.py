@@ -146,6 +146,7 @@ def run(
     from pcaccess.cli.programs import model_of
     from pcaccess.cli.scanning import ScanJson, ScanLines, Scanner, ScanTable, parse_place, places_of, write_setting
     from pcaccess.clock import SystemClock
+    from pcaccess.plc.compiler import why_unavailable
 
     model = model_of(cpu)
     cycle = None if scan.strip().lower() == "free" else duration(scan)
@@ -158,6 +159,8 @@ def run(
     words = [word for text in watch or () for word in text.split(",") if word.strip()]
     places = [parse_place(word, program, model) for word in words] or places_of(program)
     scanner = Scanner(model, program, SystemClock())
+    if (why := why_unavailable()) is not None:
+        note(f"The program runs in the interpreter, which is much slower: {why}.")
     for setting in settings or ():
         write_setting(scanner.cpu, setting, program, model)
     with ExitStack() as stack, suppress(KeyboardInterrupt):

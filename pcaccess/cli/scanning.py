@@ -17,7 +17,8 @@ from pcaccess.cli.output import GAP, Cell, Column, Row, counted, json_line, note
 from pcaccess.cli.values import json_value, value_text
 from pcaccess.clock import Clock
 from pcaccess.items.varianttypes import VARIANT_TYPES
-from pcaccess.links.scanning import SHORTEST_PAUSE, WATCHDOG
+from pcaccess.links.scanning import LOOPS, SHORTEST_PAUSE, WATCHDOG
+from pcaccess.plc.compiler import make_executor
 from pcaccess.plc.cpu import Cpu
 from pcaccess.plc.errorlog import ErrorRecord
 from pcaccess.plc.literals import LiteralError, Target, parse_target, parse_typed, parse_value, plain_type
@@ -137,7 +138,14 @@ class Scanner:
     def __init__(self, model: CpuModel, program: Program, clock: Clock) -> None:
         self._clock = clock
         self._began = clock.monotonic()
-        self.cpu = Cpu(model, program, now=self._began * 1000, extend_scan=self._in_time)
+        self.cpu = Cpu(
+            model,
+            program,
+            now=self._began * 1000,
+            make_executor=make_executor,
+            loop_budget=LOOPS,
+            extend_scan=self._in_time,
+        )
         self.status = Status()
 
     def _in_time(self) -> bool:

@@ -27,6 +27,8 @@ SHORTEST_PAUSE: Final = 0.001
 """Seconds left to everything else in this process after each scan of a free-running PLC."""
 WATCHDOG: Final = 0.5
 """Seconds that a scan may take (System Manual, Watchdog Reset: 500 ms in newer CPUs)."""
+LOOPS: Final = 10_000
+"""Backward jumps and calls until the watchdog looks at the time; that often it costs nothing to speak of."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +58,7 @@ class ScanningPlc:
             program,
             now=self._milliseconds(),
             make_executor=make_executor,
+            loop_budget=LOOPS,
             extend_scan=self._in_time,
         )
         self.cpu.run(self._milliseconds())

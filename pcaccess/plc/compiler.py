@@ -44,10 +44,18 @@ _ENTRY: Final = ctypes.CFUNCTYPE(ctypes.c_bool, ctypes.c_void_p, ctypes.c_void_p
 class Compiled:
     """An ``Executor`` in machine code; it does not hold the GIL while it runs."""
 
-    def __init__(self, module: Module, runtime: Runtime, *, clock: Clock | None = None, optimise: bool = True) -> None:
+    def __init__(
+        self,
+        module: Module,
+        runtime: Runtime,
+        *,
+        clock: Clock | None = None,
+        tier: Tier = Tier.QUICK,
+        optimise: bool = True,
+    ) -> None:
         """Compile ``module``. Raises ``Unavailable`` where that is not possible.
 
-        ``optimise``: better code later, where it pays.
+        ``tier``: what to begin with; ``optimise``: better code later, where it pays.
         """
         self._clock = clock or SystemClock()
         self._main = module.main
@@ -57,12 +65,14 @@ class Compiled:
         self._memory = ctypes.addressof(self._buffer)
         self._environment = self._bridge.address
         self._depth = 0
-        self.tier = Tier.QUICK
-        self._take(object_code(self._source.text, Tier.QUICK))
+        self.tier = tier
+        self._take(object_code(self._source.text, tier))
         self._optimiser: Optimiser | None = None
         self._scans = 0
-        self._worth = _START_UP + _SECONDS_FOR_EACH_LINE * self._source.text.count("\n") if optimise else float("inf")
+        self._worth = float("inf")
         """Seconds of scanning that are still to come before optimising pays."""
+        if optimise and tier is Tier.QUICK:
+            self._worth = _START_UP + _SECONDS_FOR_EACH_LINE * self._source.text.count("\n")
 
     @property
     def name(self) -> str:
@@ -132,7 +142,7 @@ class Compiled:
         self._loaded: Loaded = loaded
 
     def close(self) -> None:
-        """Give up the background work; the executor still runs."""
+        """Give up the background work."""
         self._worth = float("inf")
         if self._optimiser is not None:
             self._optimiser.cancel()

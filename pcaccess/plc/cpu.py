@@ -101,6 +101,7 @@ class Cpu:
         self.scans = 0
         """Scans since the change to RUN."""
         self._make_executor = make_executor
+        self._executor: Executor | None = None
         self._stop_outputs = stop_outputs
         self._writes: list[_Write] = []
         self._switched_on = now
@@ -136,14 +137,19 @@ class Cpu:
 
     def take(self, prepared: Prepared, *, keep_memory: bool = False) -> None:
         """Run what was prepared from the next scan on; see :meth:`load`."""
-        self.module = prepared.module
+        if self._executor is not None:
+            self._executor.close()
+        self.module, self._executor = prepared.module, prepared.executor
         self.runtime.load(prepared.module, prepared.executor)
         if not keep_memory:
             start = AREA_START[Area.V]
             prepared.program.data.write_to(memoryview(self.memory)[start : start + self.model.sizes[Area.V]])
         self._new_edges = True
-        self.executor_name = prepared.executor.name
-        self._executor = prepared.executor
+
+    @property
+    def executor_name(self) -> str:
+        """How the program is executed, for people; empty without one."""
+        return "" if self._executor is None else self._executor.name
 
     def run(self, now: float) -> None:
         """STOP to RUN. Without a program the CPU stays in STOP; in RUN nothing happens.
@@ -256,7 +262,7 @@ class Cpu:
         now = now if self._last_start is None else max(now, self._last_start)
         self.apply_writes()
         self.memory[_INPUTS] = bytes(self.memory[_PHYSICAL_INPUTS])
-        if self.mode is Mode.STOP or self.module is None:
+        if self.mode is Mode.STOP or self.module is None or self._executor is None:
             return
         self._begin(now, load)
         self.runtime.run_interrupts()

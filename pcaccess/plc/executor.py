@@ -25,6 +25,10 @@ class Executor(Protocol):
         that runs an interrupt routine)."""
         ...
 
+    def close(self) -> None:
+        """It will not be run again."""
+        ...
+
 
 MakeExecutor = Callable[[Module, Runtime], Executor]
 """How a CPU gets an executor; the buffer is ``runtime.memory`` and stays the same object."""

@@ -71,6 +71,9 @@ class Interpreter:
             return True
         return False
 
+    def close(self) -> None:
+        """Nothing to give up."""
+
     def call(self, index: int) -> None:
         """Run a function within another; raises to unwind."""
         function = self._functions[index]

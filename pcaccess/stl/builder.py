@@ -9,6 +9,7 @@ Not here: the logic stack, labels and calls (``pcaccess.stl.routine``).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -272,6 +273,8 @@ class Builder:
         return out
 
     def finite(self, a: Value) -> Value:
+        if a.constant is not None:
+            return self.bit(math.isfinite(a.constant))
         out = self.new_value(IrType.I1)
         self.emit(ir.Finite(out, a))
         return out

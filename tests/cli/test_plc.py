@@ -15,6 +15,7 @@ from rich.console import Console
 
 from pcaccess.cli.scanning import Place, Scanner, ScanTable, Status, parse_place, places_of, write_setting
 from pcaccess.plc.errorlog import ErrorRecord
+from pcaccess.plc.llvm import machine
 from pcaccess.s7200.cpu import cpu_model
 from pcaccess.s7200.types import Value
 from pcaccess.stl.checker import load_program
@@ -293,6 +294,16 @@ def test_lines_have_time_address_and_value(folder: Path) -> None:
     outcome = invoke("plc", "run", "copy.awl", "--watch", "Q0.0", "--set", "I0.0=1", "--for", "30ms")
     assert (outcome.code, outcome.lines) == (0, ["      ms  Address  Value", "       0  Q0.0     1"])
     assert re.fullmatch(r"RUN, \d+ scans?, last \S+ ms, longest \S+ ms \(.+\)\n", outcome.err)
+
+
+def test_without_a_compiler_the_interpreter_runs_and_says_why(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def missing() -> None:
+        raise machine.Unavailable("llvmlite is not installed (mips)")
+
+    monkeypatch.setattr(machine, "_binding", missing)
+    outcome = invoke("plc", "run", "copy.awl", "--watch", "Q0.0", "--for", "1ms")
+    assert outcome.code == 0
+    assert "in the interpreter, which is much slower: llvmlite is not installed (mips)" in outcome.err
 
 
 def test_symbols_are_shown_and_can_be_watched(folder: Path) -> None:

@@ -1,12 +1,11 @@
-"""Runs one IR module in the reference interpreter and as machine code, each in a memory of its own."""
+"""Runs one IR module in the reference interpreter and another executor, each in a memory of its own."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from types import MappingProxyType
 
-from pcaccess.plc.compiler import Compiled
-from pcaccess.plc.executor import Executor
+from pcaccess.plc.executor import Executor, MakeExecutor
 from pcaccess.plc.interpreter import Interpreter
 from pcaccess.plc.peripherals import AbsentPeripherals
 from pcaccess.stl import ir, layout
@@ -84,13 +83,13 @@ def function(body: Callable[[Builder], None]) -> ir.Function:
 
 
 class Pair:
-    """The two executors of one module, with what each of their programs asked for."""
+    """The interpreter and another executor of one module, with what each of their programs asked for."""
 
-    def __init__(self, program: ir.Module) -> None:
+    def __init__(self, program: ir.Module, make: MakeExecutor) -> None:
         self.recorders = (Recorder(), Recorder())
         self.executors: tuple[Executor, Executor] = (
             Interpreter(program, self.recorders[0]),
-            Compiled(program, self.recorders[1], optimise=False),
+            make(program, self.recorders[1]),
         )
 
     def run(self, memory: bytes, function: int = 0) -> tuple[bytes, bytes]:

@@ -12,6 +12,7 @@ import pytest
 
 from pcaccess.stl.builder import Builder
 from pcaccess.stl.ir import BinaryOp, IrType, Relation, UnaryOp, Value
+from tests.differential.executions import COMPILED
 from tests.differential.side_by_side import Pair, function, module
 
 SINGLE_MAX = struct.unpack(">f", b"\x7f\x7f\xff\xff")[0]
@@ -189,9 +190,9 @@ def _choice_cases() -> Iterator[Case]:
 CASES = [*_binary_cases(), *_unary_cases(), *_conversion_cases(), *_choice_cases()]
 
 
-@pytest.fixture(scope="module")
-def pair() -> Pair:
-    return Pair(module([function(case.body) for case in CASES]))
+@pytest.fixture(scope="module", params=["compiled", "optimised"])
+def pair(request: pytest.FixtureRequest) -> Pair:
+    return Pair(module([function(case.body) for case in CASES]), COMPILED[request.param])
 
 
 def result(case: Case, memory: bytes) -> object:
@@ -203,7 +204,7 @@ def result(case: Case, memory: bytes) -> object:
 
 
 @pytest.mark.parametrize(("number", "case"), list(enumerate(CASES)), ids=[case.name for case in CASES])
-def test_both_executions_compute_the_same(pair: Pair, number: int, case: Case) -> None:
+def test_every_execution_computes_the_same(pair: Pair, number: int, case: Case) -> None:
     for numbers in case.inputs():
         memory = b"".join(encode(kind, n) for kind, n in zip(case.operands, numbers, strict=True))
         plain, fast = pair.run(memory, number)

@@ -2,30 +2,25 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import given, note, settings
 
-from pcaccess.plc.compiler import Compiled
 from pcaccess.plc.cpu import Cpu
-from pcaccess.plc.executor import Executor, MakeExecutor
+from pcaccess.plc.executor import MakeExecutor
 from pcaccess.plc.interpreter import Interpreter
 from pcaccess.s7200.cpu import cpu_model
 from pcaccess.s7200.memory import AREA_START, MEMORY_SIZE
 from pcaccess.stl import layout
 from pcaccess.stl.checker import load_program
-from pcaccess.stl.ir import Module
 from pcaccess.stl.ir_check import verify
 from pcaccess.stl.lower import lower
 from pcaccess.stl.program import Program
-from pcaccess.stl.runtime import Runtime
+from tests.differential.executions import COMPILED
 from tests.differential.programs import Run, runs
 
 MODEL = cpu_model()
 BUDGET = 40
 """Backward jumps of a scan; endless loops are part of the game."""
-
-
-def compiled(module: Module, runtime: Runtime) -> Executor:
-    return Compiled(module, runtime, optimise=False)
 
 
 def start(program: Program, run: Run, make_executor: MakeExecutor) -> Cpu:
@@ -61,14 +56,16 @@ def read(run: Run) -> Program:
     return result.unwrap()
 
 
-@settings(max_examples=60)
-@given(runs())
-def test_a_program_does_the_same_in_both_executions(run: Run) -> None:
+@pytest.mark.timeout(900)  # Hypothesis takes up to five minutes to make a failure small
+@pytest.mark.parametrize("execution", COMPILED)
+@settings(max_examples=40)
+@given(run=runs())
+def test_a_program_does_the_same_in_every_execution(run: Run, execution: str) -> None:
     note(run.text)
     program = read(run)
     for function in lower(program, MODEL).functions:
         verify(function)
-    plain, fast = (start(program, run, make) for make in (Interpreter, compiled))
+    plain, fast = (start(program, run, make) for make in (Interpreter, COMPILED[execution]))
     now = 0.0
     for number, tick in enumerate(run.ticks):
         for cpu in (plain, fast):

@@ -1,461 +1,251 @@
-"""One IR function as LLVM text: ``define i1 @fN(ptr %m, ptr %e)``, 1 when it unwound.
+"""One IR function as LLVM functions: ``i1 @fN(ptr %m, ptr %e)``, 1 when it unwound, and its pieces ``@fN_K``.
 
-Written straight down in one pass, because a program must be ready at once: every operation appends its lines, results
-are numbered as LLVM numbers them, and what rarely runs (a poll that finds something, an empty budget, a failed call)
-goes into blocks behind the function so that the usual way falls through.
-
-Source:   ``pcaccess.stl.ir`` says what each operation means; ``tests/differential`` compares.
+``%m`` is the CPU's memory, ``%e`` the environment (``pcaccess.plc.llvm.abi``). A piece also gets ``%x``, the frame that
+all pieces of one running function share; it answers 0 to go on behind it, 1 when the function returned, 2 when it
+unwound. Within a piece variables are its own: loaded from the frame first, stored back where the piece is left for
+the next one.
 """
 
 from __future__ import annotations
 
-import struct
-from collections.abc import Callable, Mapping
-from typing import Any, Final
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Final
 
-from pcaccess.plc.llvm.abi import Sites
-from pcaccess.stl import ir, layout
-from pcaccess.stl.ir import BinaryOp, IrType, Relation, UnaryOp
+from pcaccess.plc.llvm.operations import NAMES, Parts, Writer, constant
+from pcaccess.plc.llvm.regions import Node, Piece, Plan, plan
+from pcaccess.stl import ir
 
-NAMES: Final[Mapping[IrType, str]] = {
-    IrType.I1: "i1",
-    IrType.U8: "i8",
-    IrType.I8: "i8",
-    IrType.U16: "i16",
-    IrType.I16: "i16",
-    IrType.U32: "i32",
-    IrType.I32: "i32",
-    IrType.U64: "i64",
-    IrType.I64: "i64",
-    IrType.F32: "float",
-    IrType.F64: "double",
-}
-"""What LLVM calls each type; it keeps no signs."""
-
-_COMMON: Final = {
-    BinaryOp.ADD: "add",
-    BinaryOp.SUB: "sub",
-    BinaryOp.MUL: "mul",
-    BinaryOp.AND: "and",
-    BinaryOp.OR: "or",
-    BinaryOp.XOR: "xor",
-    BinaryOp.SHL: "shl",
-}
-_SIGNED: Final = _COMMON | {BinaryOp.DIV: "sdiv", BinaryOp.REM: "srem", BinaryOp.SHR: "ashr"}
-_UNSIGNED: Final = _COMMON | {BinaryOp.DIV: "udiv", BinaryOp.REM: "urem", BinaryOp.SHR: "lshr"}
-_REAL: Final = {BinaryOp.ADD: "fadd", BinaryOp.SUB: "fsub", BinaryOp.MUL: "fmul", BinaryOp.DIV: "fdiv"}
-_REAL_RELATION: Final = {Relation.NE: "une"} | {r: f"o{r.value}" for r in Relation if r is not Relation.NE}
-_EQUALITY: Final = (Relation.EQ, Relation.NE)
-_INTRINSICS: Final = {UnaryOp.ABS: "fabs", UnaryOp.SQRT: "sqrt", UnaryOp.FLOOR: "floor", UnaryOp.TRUNC: "trunc"}
+_ON, _RETURNED, _UNWOUND = 0, 1, 2
+_SLOT: Final = 8
+"""Bytes of a value or variable in the frame."""
 
 
-class Tables:
-    """Constant tables of a module (``ir.Lookup``), each once."""
+@dataclass(slots=True)
+class _Shared:
+    """What several pieces use, and where it lies in the frame."""
 
-    def __init__(self) -> None:
-        self._names: dict[str, str] = {}
-
-    def name(self, kind: str, numbers: tuple[int, ...]) -> str:
-        text = f"[{len(numbers)} x {kind}] [{', '.join(f'{kind} {n}' for n in numbers)}]"
-        return self._names.setdefault(text, f"@table{len(self._names)}")
-
-    def text(self) -> str:
-        return "".join(f"{name} = internal constant {text}\n" for text, name in self._names.items())
+    slots: dict[int, int] = field(default_factory=dict)
+    """Index of a value -> offset."""
+    variables: dict[int, int] = field(default_factory=dict)
+    size: int = 0
 
 
-def constant(value: ir.Value) -> str:
-    """How LLVM writes a constant."""
-    number = value.constant
-    if value.type.real:
-        return "0x" + struct.pack(">d", number).hex().upper()
-    return str(int(number))  # type: ignore[arg-type]
+def function_text(function: ir.Function, index: int, *, exported: bool, parts: Parts) -> str:
+    """``exported``: it can be run from outside."""
+    composer = _Composer(function, index, parts)
+    return composer.text("" if exported else "internal ")
 
 
-class FunctionText:
-    """Writes one function."""
-
-    def __init__(self, function: ir.Function, index: int, *, exported: bool, sites: Sites, tables: Tables) -> None:
+class _Composer:
+    def __init__(self, function: ir.Function, index: int, parts: Parts) -> None:
         self._function = function
-        self._sites = sites
-        self._tables = tables
-        self._names: list[str] = ["" if v.constant is None else constant(v) for v in function.values]
-        linkage = "" if exported else "internal "
-        self._out: list[str] = [f"define {linkage}zeroext i1 @f{index}(ptr %m, ptr %e) nounwind {{\nentry:\n"]
-        self._rare: list[str] = []
-        """Blocks that seldom run, behind the others; their values have names instead of numbers."""
-        self._next = 0
-        """Number of the next result."""
-        self._splits = 0
-        self._read = {op.variable for op in function.operations() if isinstance(op, ir.GetVariable)}
+        self._index = index
+        self._parts = parts
+        self._plan: Plan = plan(function)
+        self._names = ["" if v.constant is None else constant(v) for v in function.values]
+        reads = {op.variable.index for op in function.operations() if isinstance(op, ir.GetVariable)}
+        self._variables = [v for v in function.variables if v.index in reads]
+        self._read = frozenset(reads)
+        self._home: list[int] = []
+        """Piece of each node, -1: the driver."""
+        self._shared = _Shared()
+
+    def text(self, linkage: str) -> str:
+        pieces = self._plan.pieces
+        self._home = [-1] * len(self._plan.nodes)
+        for number, piece in enumerate(pieces):
+            self._home[piece.start : piece.end] = [number] * (piece.end - piece.start)
+        if pieces:
+            self._share()
+        texts = [_PieceText(self, number, piece).text() for number, piece in enumerate(pieces)]
+        return "".join([*texts, self._driver(linkage)])
+
+    def _share(self) -> None:
+        """Give a place in the frame to every variable, and to every value that is used in another piece."""
+        home: dict[int, int] = {}
+        used: list[tuple[int, int]] = []
+        for node, piece in zip(self._plan.nodes, self._home, strict=True):
+            for op in operations(node):
+                used += [(v.index, piece) for v in ir.uses(op) if v.constant is None]
+                if not isinstance(op, ir.Jump | ir.Branch | ir.Return) and (out := ir.result(op)) is not None:
+                    home[out.index] = piece
+        slots = dict.fromkeys(value for value, piece in used if home[value] != piece)
+        self._shared.slots = {value: _SLOT * n for n, value in enumerate(slots)}
+        first = _SLOT * len(slots)
+        self._shared.variables = {v.index: first + _SLOT * n for n, v in enumerate(self._variables)}
+        self._shared.size = first + _SLOT * len(self._variables)
+
+    def _driver(self, linkage: str) -> str:
+        w = Writer(self._function, self._names, self._parts)
+        w.variables = self._read
+        w.out.append(f"define {linkage}zeroext i1 @f{self._index}(ptr %m, ptr %e) nounwind {{\nentry:\n")
+        shared = self._shared
+        if self._plan.pieces:
+            w.out.append(f"%x = alloca [{shared.size} x i8], align {_SLOT}\n")
+        for variable in self._variables:
+            name, kind = f"%x{variable.index}", NAMES[variable.type]
+            place = (
+                f"getelementptr i8, ptr %x, i64 {shared.variables[variable.index]}" if shared.size else f"alloca {kind}"
+            )
+            w.out.append(f"{name} = {place}\nstore {kind} {variable.initial}, ptr {name}\n")
+        w.out.append(f"br label %{self._plan.nodes[0].label}\n")
+        region = _Region(self, w, -1, "ret i1 false", "ret i1 true")
+        region.write([n for n, home in enumerate(self._home) if home < 0])
+        for number, piece in enumerate(self._plan.pieces):
+            self._call(w, number, piece)
+        return _finished(w, "ret i1 true")
+
+    def _call(self, w: Writer, number: int, piece: Piece) -> None:
+        """Run a piece in its place."""
+        nodes = self._plan.nodes
+        w.out.append(f"{nodes[piece.start].label}:\n")
+        status = w.line(f"call i8 @f{self._index}_{number}(ptr %m, ptr %e, ptr %x)")
+        if piece.end < len(nodes):
+            on = w.line(f"icmp eq i8 {status}, {_ON}")
+            w.out.append(f"br i1 {on}, label %{nodes[piece.end].label}, label %left{number}\n")
+        else:
+            w.out.append(f"br label %left{number}\n")
+        w.rare.append(f"left{number}:\n%l{number} = icmp eq i8 {status}, {_UNWOUND}\nret i1 %l{number}\n")
+
+
+class _PieceText:
+    """One piece as a function of its own."""
+
+    def __init__(self, composer: _Composer, number: int, piece: Piece) -> None:
+        self._composer = composer
+        self._number = number
+        self._piece = piece
 
     def text(self) -> str:
-        for variable in self._function.variables:
-            if variable in self._read:
-                kind = NAMES[variable.type]
-                self._out.append(
-                    f"%x{variable.index} = alloca {kind}\nstore {kind} {variable.initial}, ptr %x{variable.index}\n"
-                )
-        self._out.append("br label %b0\n")
-        steps = _STEPS
-        for block in self._function.blocks:
-            self._out.append(f"b{block.index}:\n")
-            for op in block.operations:
-                steps[type(op)](self, op)
-            self._terminator(block)
-        self._out += self._rare
-        self._out.append("unwind:\nret i1 true\n}\n")
-        return "".join(self._out)
+        c = self._composer
+        w = Writer(c._function, c._names, c._parts)
+        w.variables = c._read
+        name = f"@f{c._index}_{self._number}"
+        w.out.append(f"define internal i8 {name}(ptr %m, ptr %e, ptr noalias %x) noinline nounwind {{\nentry:\n")
+        used, changed = self._variables()
+        for variable in used:
+            kind, place = NAMES[variable.type], f"%x{variable.index}"
+            now = w.line(f"load {kind}, ptr {self._slot(w, variable)}")
+            w.out.append(f"{place} = alloca {kind}\nstore {kind} {now}, ptr {place}\n")
+        w.out.append(f"br label %{c._plan.nodes[self._piece.start].label}\n")
+        region = _Region(c, w, self._number, f"ret i8 {_RETURNED}", f"ret i8 {_UNWOUND}")
+        region.write(range(self._piece.start, self._piece.end))
+        w.out.append("done:\n")
+        for variable in changed:
+            kind = NAMES[variable.type]
+            now = w.line(f"load {kind}, ptr %x{variable.index}")
+            w.out.append(f"store {kind} {now}, ptr {self._slot(w, variable)}\n")
+        w.out.append(f"ret i8 {_ON}\n")
+        return _finished(w, f"ret i8 {_UNWOUND}")
 
-    def _terminator(self, block: ir.Block) -> None:
-        end = block.terminator
-        if isinstance(end, ir.Jump):
-            self._out.append(f"br label %b{end.target.index}\n")
-        elif isinstance(end, ir.Branch):
-            condition = self._names[end.condition.index]
-            self._out.append(f"br i1 {condition}, label %b{end.then.index}, label %b{end.otherwise.index}\n")
-        elif isinstance(end, ir.Return):
-            self._out.append(f"ret i1 {int(end.unwind)}\n")
+    def _slot(self, w: Writer, variable: ir.Variable) -> str:
+        return w.line(f"getelementptr i8, ptr %x, i64 {self._composer._shared.variables[variable.index]}")
+
+    def _variables(self) -> tuple[list[ir.Variable], list[ir.Variable]]:
+        """Those that the piece uses, and those of them that it changes."""
+        read: set[int] = set()
+        written: set[int] = set()
+        for node in self._composer._plan.nodes[self._piece.start : self._piece.end]:
+            for op in node.block.operations[node.first : node.last]:
+                if isinstance(op, ir.GetVariable):
+                    read.add(op.variable.index)
+                elif isinstance(op, ir.SetVariables):
+                    written.update(variable.index for variable, _ in op.assignments)
+        every = self._composer._variables
+        return [v for v in every if v.index in read | written], [v for v in every if v.index in written]
+
+
+class _Region:
+    """Nodes written into one LLVM function."""
+
+    def __init__(self, composer: _Composer, w: Writer, number: int, returned: str, unwound: str) -> None:
+        self._composer = composer
+        self._w = w
+        self._number = number
+        self._returned = returned
+        self._unwound = unwound
+        self._slots = composer._shared.slots
+        self._own: set[int] = set()
+        """Values that were computed here."""
+
+    def write(self, positions: Iterable[int]) -> None:
+        """Nodes in their order, those that seldom run behind the others."""
+        nodes = self._composer._plan.nodes
+        usual: list[int] = []
+        rare: list[int] = []
+        for position in positions:
+            (rare if nodes[position].rare else usual).append(position)
+        before = -1
+        for position in usual + rare:
+            self._node(position, labelled=position != before + 1 or not nodes[position].first)
+            before = position
+
+    def _node(self, position: int, *, labelled: bool) -> None:
+        w, node = self._w, self._composer._plan.nodes[position]
+        if labelled:
+            w.out.append(f"{node.label}:\n")
+        if self._slots:
+            for op in operations(node):
+                self._fetch(op)
+                if not isinstance(op, ir.Jump | ir.Branch | ir.Return):
+                    w.operation(op)
+                    self._keep(op)
         else:
-            raise ir.IrError(f"{self._function.name}: {block} has no end")
+            for op in node.block.operations[node.first : node.last]:
+                w.operation(op)
+        if node.ends:
+            self._terminate(node)
+        elif not self._inside(position + 1):
+            w.out.append(f"br label %{self._label(position + 1)}\n")
 
-    def _define(self, out: ir.Value, text: str) -> None:
-        """One line that computes ``out``."""
-        self._out.append(f"%{self._next} = {text}\n")
-        self._names[out.index] = f"%{self._next}"
-        self._next += 1
+    def _inside(self, position: int) -> bool:
+        home = self._composer._home
+        return position < len(home) and home[position] == self._number
 
-    def _line(self, text: str) -> str:
-        """One line that computes something on the way; returns its name."""
-        name = f"%{self._next}"
-        self._out.append(f"{name} = {text}\n")
-        self._next += 1
-        return name
+    def _label(self, position: int) -> str:
+        """Where to go for the node at ``position``: from a piece to other nodes only through its end."""
+        if self._number >= 0 and not self._inside(position):
+            return "done"
+        return self._composer._plan.nodes[position].label
 
-    # memory
-
-    def load(self, op: ir.Load) -> None:
-        self._load(op.out, self._line(f"getelementptr i8, ptr %m, i64 {op.at}"))
-
-    def load_from(self, op: ir.LoadFrom) -> None:
-        self._load(op.out, self._line(f"getelementptr i8, ptr %m, i32 {self._names[op.address.index]}"))
-
-    def _load(self, out: ir.Value, pointer: str) -> None:
-        kind, n = out.type, self._next
-        if kind.bits == 8:
-            self._define(out, f"load i8, ptr {pointer}")
+    def _terminate(self, node: Node) -> None:
+        end = node.block.terminator
+        if isinstance(end, ir.Return):
+            self._w.out.append(f"{self._unwound if end.unwind else self._returned}\n")
             return
-        lines = (
-            f"%{n} = load i{kind.bits}, ptr {pointer}, align 1\n"
-            f"%{n + 1} = call i{kind.bits} @llvm.bswap.i{kind.bits}(i{kind.bits} %{n})\n"
-        )
-        if kind.real:
-            lines += f"%{n + 2} = bitcast i32 %{n + 1} to float\n"
-            n += 1
-        self._out.append(lines)
-        self._names[out.index] = f"%{n + 1}"
-        self._next = n + 2
-
-    def store(self, op: ir.Store) -> None:
-        self._store(op.value, self._line(f"getelementptr i8, ptr %m, i64 {op.at}"))
-
-    def store_to(self, op: ir.StoreTo) -> None:
-        self._store(op.value, self._line(f"getelementptr i8, ptr %m, i32 {self._names[op.address.index]}"))
-
-    def _store(self, value: ir.Value, pointer: str) -> None:
-        kind, name = value.type, self._names[value.index]
-        if kind.bits == 8:
-            self._out.append(f"store i8 {name}, ptr {pointer}\n")
-            return
-        if value.constant is not None:
-            self._out.append(f"store i{kind.bits} {_swapped(value)}, ptr {pointer}, align 1\n")
-            return
-        if kind.real:
-            name = self._line(f"bitcast float {name} to i32")
-        n = self._next
-        self._out.append(
-            f"%{n} = call i{kind.bits} @llvm.bswap.i{kind.bits}(i{kind.bits} {name})\n"
-            f"store i{kind.bits} %{n}, ptr {pointer}, align 1\n"
-        )
-        self._next = n + 1
-
-    def load_bit(self, op: ir.LoadBit) -> None:
-        n = self._next
-        self._out.append(
-            f"%{n} = getelementptr i8, ptr %m, i64 {op.at}\n%{n + 1} = load i8, ptr %{n}\n"
-            f"%{n + 2} = and i8 %{n + 1}, {1 << op.bit}\n%{n + 3} = icmp ne i8 %{n + 2}, 0\n"
-        )
-        self._names[op.out.index] = f"%{n + 3}"
-        self._next = n + 4
-
-    def store_bits(self, op: ir.StoreBits) -> None:
-        pointer = self._line(f"getelementptr i8, ptr %m, i64 {op.at}")
-        keep, ones = 0xFF, 0
-        for bit, value in op.bits:
-            keep &= ~(1 << bit)
-            if value.constant:
-                ones |= 1 << bit
-        byte = "0"
-        if keep:
-            byte = self._line(f"load i8, ptr {pointer}")
-            if keep | ones != 0xFF:  # a bit that becomes a constant 1 need not be cleared
-                byte = self._line(f"and i8 {byte}, {keep | ones}")
-        for bit, value in op.bits:
-            if value.constant is None:
-                one = self._line(f"zext i1 {self._names[value.index]} to i8")
-                if bit:
-                    one = self._line(f"shl i8 {one}, {bit}")
-                byte = self._line(f"or i8 {byte}, {one}")
-        if ones:
-            byte = self._line(f"or i8 {byte}, {ones}")
-        self._out.append(f"store i8 {byte}, ptr {pointer}\n")
-
-    def copy_bytes(self, op: ir.CopyBytes) -> None:
-        to, source = self._pointer(op.to), self._pointer(op.source)
-        count = self._line(f"sext i32 {self._names[op.count.index]} to i64")
-        self._out.append(f"call void @llvm.memmove.p0.p0.i64(ptr {to}, ptr {source}, i64 {count}, i1 false)\n")
-
-    def fill_words(self, op: ir.FillWords) -> None:
-        to = self._pointer(op.to)
-        if op.value.constant is None:
-            word = self._line(f"call i16 @llvm.bswap.i16(i16 {self._names[op.value.index]})")
+        labels = [self._label(target) for target in node.targets]
+        if isinstance(end, ir.Branch):
+            condition = self._w.name(end.condition)
+            weights = ", !prof !0" if end.condition.index in self._composer._plan.likely else ""
+            self._w.out.append(f"br i1 {condition}, label %{labels[0]}, label %{labels[1]}{weights}\n")
+        elif isinstance(end, ir.Jump):
+            self._w.out.append(f"br label %{labels[0]}\n")
         else:
-            word = str(_swapped(op.value))
-        self._out.append(f"call void @fill_words(ptr {to}, i16 {word}, i32 {self._names[op.count.index]})\n")
+            raise ir.IrError(f"{self._composer._function.name}: {node.block} has no end")
 
-    def _pointer(self, address: ir.Value) -> str:
-        return self._line(f"getelementptr i8, ptr %m, i32 {self._names[address.index]}")
+    def _fetch(self, op: ir.Operation | ir.Terminator) -> None:
+        """Bring what another piece computed."""
+        for value in ir.uses(op):
+            if value.index in self._slots and value.index not in self._own:
+                at = self._w.line(f"getelementptr i8, ptr %x, i64 {self._slots[value.index]}")
+                self._w.rename(value, self._w.line(f"load {NAMES[value.type]}, ptr {at}"))
 
-    def check_pointer(self, op: ir.CheckPointer) -> None:
-        pointer, size = self._names[op.pointer.index], self._names[op.size.index]
-        self._define(op.out, f"call i32 @check_pointer(i32 {pointer}, i32 {size})")
-
-    # arithmetic
-
-    def binary(self, op: ir.Binary) -> None:
-        kind = op.a.type
-        words = _REAL if kind.real else _SIGNED if kind.signed else _UNSIGNED
-        self._define(op.out, f"{words[op.op]} {NAMES[kind]} {self._names[op.a.index]}, {self._names[op.b.index]}")
-
-    def unary(self, op: ir.Unary) -> None:
-        kind, name, a = op.a.type, NAMES[op.a.type], self._names[op.a.index]
-        if op.op is UnaryOp.NOT:
-            self._define(op.out, f"xor {name} {a}, -1" if kind.bits > 1 else f"xor i1 {a}, true")
-        elif op.op is UnaryOp.NEG:
-            self._define(op.out, f"fneg {name} {a}" if kind.real else f"sub {name} 0, {a}")
-        elif op.op is UnaryOp.TRAILING_ZEROS:
-            self._trailing_zeros(op)
-        else:
-            self._define(op.out, f"call {name} @llvm.{_INTRINSICS[op.op]}.f{kind.bits}({name} {a})")
-
-    def _trailing_zeros(self, op: ir.Unary) -> None:
-        kind, a = op.a.type, self._names[op.a.index]
-        if kind.bits < 32:
-            a = self._line(f"zext {NAMES[kind]} {a} to i32")
-            count = self._line(f"call i32 @llvm.cttz.i32(i32 {a}, i1 true)")
-            self._define(op.out, f"trunc i32 {count} to {NAMES[kind]}")
-        else:
-            self._define(op.out, f"call i32 @llvm.cttz.i32(i32 {a}, i1 true)")
-
-    def compare(self, op: ir.Compare) -> None:
-        kind = op.a.type
-        operands = f"{NAMES[kind]} {self._names[op.a.index]}, {self._names[op.b.index]}"
-        if kind.real:
-            self._define(op.out, f"fcmp {_REAL_RELATION[op.relation]} {operands}")
-        else:
-            sign = "" if op.relation in _EQUALITY else "s" if kind.signed else "u"
-            self._define(op.out, f"icmp {sign}{op.relation.value} {operands}")
-
-    def convert(self, op: ir.Convert) -> None:
-        source, target, a = op.a.type, op.out.type, self._names[op.a.index]
-        if source.bits == target.bits and source.real == target.real:
-            self._names[op.out.index] = a
-            return
-        if source.real and target.real:
-            word = "fpext" if target.bits > source.bits else "fptrunc"
-        elif source.real:
-            word = "fptosi" if target.signed else "fptoui"
-        elif target.real:
-            word = "sitofp" if source.signed else "uitofp"
-        elif target.bits < source.bits:
-            word = "trunc"
-        else:
-            word = "sext" if source.signed else "zext"
-        self._define(op.out, f"{word} {NAMES[source]} {a} to {NAMES[target]}")
-
-    def bitcast(self, op: ir.Bitcast) -> None:
-        source, target, a = op.a.type, op.out.type, self._names[op.a.index]
-        if source.real == target.real:
-            self._names[op.out.index] = a
-        else:
-            self._define(op.out, f"bitcast {NAMES[source]} {a} to {NAMES[target]}")
-
-    def select(self, op: ir.Select) -> None:
-        kind, names = NAMES[op.a.type], self._names
-        condition, a, b = names[op.condition.index], names[op.a.index], names[op.b.index]
-        self._define(op.out, f"select i1 {condition}, {kind} {a}, {kind} {b}")
-
-    def fits(self, op: ir.Fits) -> None:
-        source, target, a = op.a.type, op.type, self._names[op.a.index]
-        if source.real:
-            self._real_fits(op, a)
-            return
-        low, high = max(source.low, target.low), min(source.high, target.high)
-        name = NAMES[source]
-        if low != source.low:  # shifted so that the whole range is one unsigned comparison
-            a = self._line(f"sub {name} {a}, {low}") if low else a
-            self._define(op.out, f"icmp ule {name} {a}, {high - low}")
-        elif high != source.high:
-            self._define(op.out, f"icmp {'sle' if source.signed else 'ule'} {name} {a}, {high}")
-        else:
-            self._define(op.out, "icmp eq i1 true, true")
-
-    def _real_fits(self, op: ir.Fits, a: str) -> None:
-        """Compared as doubles, which hold every 32-bit bound and its neighbours exactly."""
-        if op.type.bits > 32:
-            raise ir.IrError(f"{self._function.name}: whether a real fits {op.type}")
-        if op.a.type is IrType.F32:
-            a = self._line(f"fpext float {a} to double")
-        low = self._line(f"fcmp ogt double {a}, {_double(op.type.low - 1)}")
-        high = self._line(f"fcmp olt double {a}, {_double(op.type.high + 1)}")
-        self._define(op.out, f"and i1 {low}, {high}")
-
-    def finite(self, op: ir.Finite) -> None:
-        """x - x is 0 for every number; infinity and NaN make it a NaN."""
-        name, a = NAMES[op.a.type], self._names[op.a.index]
-        rest = self._line(f"fsub {name} {a}, {a}")
-        self._define(op.out, f"fcmp oeq {name} {rest}, 0.0")
-
-    def lookup(self, op: ir.Lookup) -> None:
-        kind, index = NAMES[op.out.type], op.index
-        table = self._tables.name(kind, op.table)
-        wide = self._line(f"zext {NAMES[index.type]} {self._names[index.index]} to i64")
-        at = self._line(f"getelementptr {kind}, ptr {table}, i64 {wide}")
-        self._define(op.out, f"load {kind}, ptr {at}")
-
-    def get_variable(self, op: ir.GetVariable) -> None:
-        self._define(op.out, f"load {NAMES[op.variable.type]}, ptr %x{op.variable.index}")
-
-    def set_variables(self, op: ir.SetVariables) -> None:
-        for variable, value in op.assignments:
-            if variable in self._read:
-                self._out.append(f"store {NAMES[variable.type]} {self._names[value.index]}, ptr %x{variable.index}\n")
-
-    # the program and the CPU
-
-    def push_frame(self, op: ir.PushFrame) -> None:
-        self._out.append("call void @push_frame(ptr %m)\n")
-
-    def pop_frame(self, op: ir.PopFrame) -> None:
-        self._out.append("call void @pop_frame(ptr %m)\n")
-
-    def _split(self) -> int:
-        self._splits += 1
-        return self._splits
-
-    def _unwind_if(self, condition: str) -> None:
-        """Leave the function when ``condition`` is 1; go on in a new block."""
-        s = self._split()
-        self._out.append(f"br i1 {condition}, label %unwind, label %s{s}\ns{s}:\n")
-
-    def call_pou(self, op: ir.CallPou) -> None:
-        self._unwind_if(self._line(f"call zeroext i1 @f{op.function}(ptr %m, ptr %e)"))
-
-    def call_python(self, op: ir.CallPython) -> None:
-        site, signature = self._sites.add(op)
-        arguments = "".join(f", {self._argument(a)}" for a in op.arguments)
-        call = f"@python_{signature}(ptr %e, i32 {site}{arguments})"
-        if op.out is None:
-            self._out.append(f"call void {call}\n")
-        elif op.out.type.real:
-            result = self._line(f"call double {call}")
-            if op.out.type is IrType.F32:
-                result = self._line(f"fptrunc double {result} to float")
-            self._names[op.out.index] = result
-        else:
-            result, name = self._line(f"call i64 {call}"), NAMES[op.out.type]
-            self._names[op.out.index] = result if name == "i64" else self._line(f"trunc i64 {result} to {name}")
-        failed = self._line("load i64, ptr %e")
-        self._unwind_if(self._line(f"icmp ne i64 {failed}, 0"))
-
-    def _argument(self, value: ir.Value) -> str:
-        kind, name = value.type, self._names[value.index]
-        if kind is IrType.F64:
-            return f"double {name}"
-        if kind is IrType.F32:
-            return f"double {self._line(f'fpext float {name} to double')}"
-        if kind.bits == 64:
-            return f"i64 {name}"
-        word = "sext" if kind.signed else "zext"
-        return f"i64 {self._line(f'{word} {NAMES[kind]} {name} to i64')}"
-
-    def fault(self, op: ir.Fault) -> None:
-        code = self._names[op.code.index]
-        self._unwind_if(self._line(f"call i1 @fault(ptr %e, i32 {code}, i32 {op.place})"))
-
-    def poll(self, op: ir.Poll) -> None:
-        n, s = self._next, self._split()
-        self._out.append(
-            f"%{n} = getelementptr i8, ptr %m, i64 {layout.ATTENTION}\n%{n + 1} = load volatile i8, ptr %{n}\n"
-            f"%{n + 2} = icmp eq i8 %{n + 1}, 0\nbr i1 %{n + 2}, label %s{s}, label %r{s}, !prof !0\ns{s}:\n"
-        )
-        self._next = n + 3
-        self._rare.append(
-            f"r{s}:\n%u{s} = call i1 @poll(ptr %e, i32 {op.network})\nbr i1 %u{s}, label %unwind, label %s{s}\n"
-        )
-
-    def budget(self, op: ir.Budget) -> None:
-        n, s = self._next, self._split()
-        self._out.append(
-            f"%{n} = getelementptr i8, ptr %m, i64 {layout.BUDGET}\n%{n + 1} = load i32, ptr %{n}, align 1\n"
-            f"%{n + 2} = icmp eq i32 %{n + 1}, 0\nbr i1 %{n + 2}, label %r{s}, label %q{s}, !prof !1\nq{s}:\n"
-            f"%{n + 3} = call i32 @llvm.bswap.i32(i32 %{n + 1})\n%{n + 4} = sub i32 %{n + 3}, 1\n"
-            f"%{n + 5} = call i32 @llvm.bswap.i32(i32 %{n + 4})\nstore i32 %{n + 5}, ptr %{n}, align 1\n"
-            f"br label %s{s}\ns{s}:\n"
-        )
-        self._next = n + 6
-        self._rare.append(f"r{s}:\n%u{s} = call i1 @out_of_budget(ptr %e)\nbr i1 %u{s}, label %unwind, label %s{s}\n")
+    def _keep(self, op: ir.Operation) -> None:
+        """Put what another piece needs where it finds it."""
+        out = ir.result(op)
+        if out is not None and out.index in self._slots:
+            self._own.add(out.index)
+            at = self._w.line(f"getelementptr i8, ptr %x, i64 {self._slots[out.index]}")
+            self._w.out.append(f"store {NAMES[out.type]} {self._w.name(out)}, ptr {at}\n")
 
 
-def _swapped(value: ir.Value) -> int:
-    """A constant's bytes in the other order, as LLVM writes the integer they are."""
-    number = value.constant
-    assert number is not None
-    if value.type.real:
-        return int.from_bytes(struct.pack(">f", number), "little")
-    size = value.type.size
-    return int.from_bytes((int(number) & (1 << value.type.bits) - 1).to_bytes(size, "big"), "little")
+def operations(node: Node) -> Iterable[ir.Operation | ir.Terminator]:
+    """The node's operations, and the block's end where the node has it."""
+    yield from node.block.operations[node.first : node.last]
+    if node.ends and node.block.terminator is not None:
+        yield node.block.terminator
 
 
-def _double(number: float) -> str:
-    return "0x" + struct.pack(">d", number).hex().upper()
-
-
-_STEPS: Final[dict[type, Callable[[FunctionText, Any], None]]] = {
-    ir.Load: FunctionText.load,
-    ir.Store: FunctionText.store,
-    ir.LoadBit: FunctionText.load_bit,
-    ir.StoreBits: FunctionText.store_bits,
-    ir.LoadFrom: FunctionText.load_from,
-    ir.StoreTo: FunctionText.store_to,
-    ir.CopyBytes: FunctionText.copy_bytes,
-    ir.FillWords: FunctionText.fill_words,
-    ir.CheckPointer: FunctionText.check_pointer,
-    ir.Binary: FunctionText.binary,
-    ir.Unary: FunctionText.unary,
-    ir.Compare: FunctionText.compare,
-    ir.Convert: FunctionText.convert,
-    ir.Bitcast: FunctionText.bitcast,
-    ir.Select: FunctionText.select,
-    ir.Fits: FunctionText.fits,
-    ir.Finite: FunctionText.finite,
-    ir.Lookup: FunctionText.lookup,
-    ir.GetVariable: FunctionText.get_variable,
-    ir.SetVariables: FunctionText.set_variables,
-    ir.PushFrame: FunctionText.push_frame,
-    ir.PopFrame: FunctionText.pop_frame,
-    ir.CallPou: FunctionText.call_pou,
-    ir.CallPython: FunctionText.call_python,
-    ir.Fault: FunctionText.fault,
-    ir.Poll: FunctionText.poll,
-    ir.Budget: FunctionText.budget,
-}
+def _finished(w: Writer, unwind: str) -> str:
+    return "".join([*w.out, *w.rare, f"unwind:\n{unwind}\n}}\n"])

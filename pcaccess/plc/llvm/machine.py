@@ -27,12 +27,12 @@ class Unavailable(Exception):
 
 
 class Tier(Enum):
-    """How much LLVM does. The value: optimisation level of the passes (None: no pass runs), of the code generator."""
+    """How much LLVM does. The value is the level of its code generator."""
 
-    QUICK = (None, 0)
-    """Ready at once."""
-    OPTIMISED = (1, 2)
-    """Half the time per scan for twenty times the time to compile."""
+    QUICK = 0
+    """No optimisation: ready at once."""
+    OPTIMISED = 2
+    """Half the time for a scan, twenty times the time to compile."""
 
 
 @functools.cache
@@ -71,13 +71,23 @@ def _target_machine(level: int) -> Any:
 def object_code(text: str, tier: Tier) -> bytes:
     """Compile LLVM text for this machine. RuntimeError: the text is wrong, which is our own mistake."""
     binding = _binding()
-    passes, level = tier.value
-    machine = _target_machine(level)
+    machine = _target_machine(tier.value)
     module = binding.parse_assembly(text, binding.create_context())
-    if passes is not None:
-        builder = binding.create_pass_builder(machine, binding.create_pipeline_tuning_options(speed_level=passes))
-        builder.getModulePassManager().run(module, builder)
+    if tier is Tier.OPTIMISED:
+        _optimise(module, machine)
     return bytes(machine.emit_object(module))
+
+
+def _optimise(module: Any, machine: Any) -> None:
+    """Few passes: what is left to win is in the code generator (docs/decisions/2026-11-22-compiler.md)."""
+    binding = _binding()
+    passes = binding.create_new_module_pass_manager()
+    passes.add_always_inliner_pass()
+    passes.add_sroa_pass()
+    passes.add_simplify_cfg_pass()
+    passes.add_instruction_combine_pass()
+    passes.add_simplify_cfg_pass()
+    passes.run(module, binding.create_pass_builder(machine, binding.create_pipeline_tuning_options(speed_level=1)))
 
 
 @dataclass(slots=True)

@@ -119,7 +119,7 @@ def _check_pointer(pointers: Iterable[PointerArea]) -> str:
 @area_start = internal constant {_array(starts)}
 @area_size = internal constant {_array(sizes)}
 
-define internal i32 @check_pointer(i32 %pointer, i32 %size) nounwind {{
+define internal i32 @check_pointer(i32 %pointer, i32 %size) alwaysinline nounwind {{
   %code = lshr i32 %pointer, 24
   %known = icmp ult i32 %code, {len(codes)}
   br i1 %known, label %look, label %bad

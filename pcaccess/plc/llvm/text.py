@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from pcaccess.plc.llvm.abi import Sites
-from pcaccess.plc.llvm.function import FunctionText, Tables
+from pcaccess.plc.llvm.function import function_text
+from pcaccess.plc.llvm.operations import Parts
 from pcaccess.plc.llvm.prelude import prelude
 from pcaccess.stl import ir
 
@@ -23,11 +24,11 @@ class ModuleText:
 
 
 def module_text(module: ir.Module) -> ModuleText:
-    sites, tables = Sites(), Tables()
+    parts = Parts()
     entries = (module.main, *sorted(module.interrupts.values()))
     functions = [
-        FunctionText(function, index, exported=index in entries, sites=sites, tables=tables).text()
+        function_text(function, index, exported=index in entries, parts=parts)
         for index, function in enumerate(module.functions)
     ]
-    head = prelude(module.pointers, sites) + tables.text()
-    return ModuleText("".join([head, *functions, _WEIGHTS]), sites, entries)
+    head = prelude(module.pointers, parts.sites) + parts.tables.text()
+    return ModuleText("".join([head, *functions, _WEIGHTS]), parts.sites, entries)

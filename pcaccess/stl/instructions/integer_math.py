@@ -28,9 +28,10 @@ def _finish(b: Routine, out: Place, exact: Value, kind: IrType, *clear: SmBit) -
         if kind.signed:
             flags[NEGATIVE] = b.lt(exact, 0)
         b.set_sm(flags | dict.fromkeys(clear, False))
+        b.eno(True)
         choice.otherwise()
         b.set_sm({OVERFLOW: True} | dict.fromkeys(clear, False))
-    b.eno(fits)
+        b.eno(False)
 
 
 def _zero_divisor(b: Routine) -> None:
@@ -116,9 +117,10 @@ def divide_wide(b: Routine, in1: Value, out: Place) -> None:
             b.store(out, b.or_(b.shl(rest, 16), b.and_(quotient, 0xFFFF)))
             flags: dict[SmBit, Value | bool] = {ZERO: b.eq(quotient, 0), NEGATIVE: b.lt(quotient, 0)}
             b.set_sm(flags | {OVERFLOW: False, DIVIDE_BY_ZERO: False})
+            b.eno(True)
             inner.otherwise()
             b.set_sm({OVERFLOW: True, DIVIDE_BY_ZERO: False})
-        b.eno(fits)
+            b.eno(False)
         choice.otherwise()
         _zero_divisor(b)
 

@@ -31,9 +31,10 @@ def _finish(b: Routine, out: Place, result: Value, legal: Value, *clear: SmBit) 
         b.store(out, result)
         flags: dict[SmBit, Value | bool] = {ZERO: b.eq(result, 0.0), OVERFLOW: False, NEGATIVE: b.lt(result, 0.0)}
         b.set_sm(flags | dict.fromkeys(clear, False))
+        b.eno(True)
         choice.otherwise()
         b.set_sm({OVERFLOW: True} | dict.fromkeys(clear, False))
-    b.eno(good)
+        b.eno(False)
 
 
 @define(
