@@ -1,6 +1,6 @@
 """Pointers (``&VB100``): a double word with the area in its top byte and a byte offset in the other three.
 
-The codes of S, SM, AI, AQ and V are those the S7-200 uses elsewhere (docs/protocols.md); the others are our
+The codes of S, SM, AI, AQ and V are those the S7-200 uses elsewhere; the others are our
 choice, in the same row. No area has code 0, so a pointer that was never set is caught.
 
 Source:   docs/decisions/2026-11-22-pointers.md; System Manual, Indirect addressing (which areas: no L, no HC,
