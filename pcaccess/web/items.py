@@ -36,6 +36,7 @@ from pcaccess.web.refusals import OF_OUTCOME, Refusal
 from pcaccess.web.rendering import sample_entry
 from pcaccess.web.values import from_json, from_text
 
+PLAIN: Final = f"{TEXT_TYPE}; charset=utf-8"
 MAX_ITEMS: Final = 20_000
 """In one request; more would hold up the event loop for longer than a scan may wait."""
 PAGE: Final = 100
@@ -95,9 +96,30 @@ class Items:
                 self.value,
                 "The bare value of an item",
                 shapes.TEXT,
-                media_type=f"{TEXT_TYPE}; charset=utf-8",
+                media_type=PLAIN,
                 description="As text for spreadsheets: BOOL is 1 or 0. Whether it is any good, the quality says.",
                 refusals=("unknown-item", "not-readable"),
+            ),
+            Endpoint(
+                "GET",
+                "/api/items/{id:path}/quality",
+                self.quality,
+                "The bare quality of an item",
+                shapes.TEXT,
+                media_type=PLAIN,
+                description="The OPC DA code as text for spreadsheets; 192 is good.",
+                refusals=("unknown-item", "not-readable"),
+            ),
+            Endpoint(
+                "GET",
+                "/api/items/{id:path}/check",
+                self.check,
+                "Whether an item would take a value",
+                shapes.TEXT,
+                media_type=PLAIN,
+                description="`ok`, or in words why not; nothing is written. For spreadsheets, which see no refusals.",
+                parameters=(Parameter("value", "The value as text."),),
+                refusals=("unknown-item",),
             ),
             Endpoint(
                 "PUT",
@@ -258,7 +280,21 @@ class Items:
         text = value_text(CSV, self._gateway.table.data_type(row), sample.value)
         if isinstance(sample.value, str):
             text = sample.value.encode()  # here nothing separates cells
-        return Answer(text, f"{TEXT_TYPE}; charset=utf-8")
+        return Answer(text, PLAIN)
+
+    async def quality(self, request: Request) -> Answer:
+        row = self._readable_row(request.path_params["id"])
+        await self._gateway.read([row])
+        return Answer(b"%d" % self._gateway.sample(row).quality.code, PLAIN)
+
+    async def check(self, request: Request) -> Answer:
+        row = self._row(request.path_params["id"])
+        item = self._gateway.item(row)
+        try:
+            raw_write(item, from_text(item, request.query_params.get("value", "")))
+        except (Refusal, WriteRefused) as refused:
+            return Answer(str(refused).encode(), PLAIN)
+        return Answer(b"ok", PLAIN)
 
     async def put_value(self, request: Request) -> Answer:
         row = self._row(request.path_params["id"])

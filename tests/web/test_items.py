@@ -312,6 +312,28 @@ async def test_write_only_items_are_not_shown(web: Served) -> None:
     assert "Secret" not in shown
 
 
+async def test_bare_texts_for_spreadsheets(web: Served) -> None:
+    assert (await web.get("/api/items/MicroWin.P.Level/quality?tick=1")).text == "192"
+    assert (await web.get("/api/items/MicroWin.Away.Lost/quality")).text == "8"
+    assert (await web.get("/api/items/MicroWin.P.Secret/quality")).status_code == 403
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        ("Level", "42", "ok"),
+        ("Level", "70000", "MicroWin.P.Level: 70000 does not fit INT (-32768 to 32767)"),
+        ("Level", "", "MicroWin.P.Level takes a whole number from -32768 to 32767, not ''"),
+        ("Fixed", "1", "MicroWin.P.Fixed is read-only"),
+        ("On", "on", "ok"),
+    ],
+)
+async def test_a_value_can_be_checked_without_writing_it(web: Served, name: str, value: str, said: str) -> None:
+    before = await web.json("/api/items")
+    assert (await web.get(f"/api/items/MicroWin.P.{name}/check", params={"value": value})).text == said
+    assert await web.json("/api/items") == before
+
+
 async def test_nan_survives_csv_and_text(web: Served) -> None:
     await web.ask("PUT", "/api/items/MicroWin.P.Flow/value", json="NaN")
     assert (await web.get("/api/items/MicroWin.P.Flow/value")).text == "NaN"
