@@ -105,6 +105,7 @@ async def ours(options: argparse.Namespace) -> None:
     from asyncua import ua
 
     from pcaccess.clock import SystemClock
+    from pcaccess.collector import settle
     from pcaccess.gateway.gateway import Gateway
     from pcaccess.links.base import RawWrite
     from pcaccess.opcua.server import OpcUaServer
@@ -126,6 +127,7 @@ async def ours(options: argparse.Namespace) -> None:
         await inner.load_certificate(options.certificate)
         await inner.load_private_key(options.key)
     await server.start()
+    settle()  # as ``pcaccess run`` does
     driver, whole = gateway.driver("Soft"), parse_address("VB0")
     pairs = min(options.items, MOVING) // 2
 

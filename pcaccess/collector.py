@@ -6,9 +6,10 @@ time of a start. Nothing here changes what is freed, only when it is looked for.
 
 from __future__ import annotations
 
+import ctypes
 import gc
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 
 @contextmanager
@@ -25,6 +26,12 @@ def paused() -> Iterator[None]:
 
 
 def settle() -> None:
-    """What was made so far stays for good: the collector need not look at it again, which costs pauses."""
+    """What was made so far stays for good: the collector need not look at it again, which costs pauses.
+
+    What was needed only for making it goes back to the system, where the C library can (a tenth of the memory of a
+    large project).
+    """
     gc.collect()
     gc.freeze()
+    with suppress(OSError, AttributeError, TypeError):  # glibc alone has it
+        ctypes.CDLL(None).malloc_trim(0)

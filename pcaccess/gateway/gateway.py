@@ -57,6 +57,7 @@ class Gateway:
         self._tasks: asyncio.TaskGroup | None = None
         self._driver_tasks: dict[str, asyncio.Task[None]] = {}
         with paused():
+            self.table.reserve((item.data_type, item.count) for item in project.all_items())
             for link in project.links:
                 self.add_link(link)
         self.set_groups()
@@ -94,7 +95,7 @@ class Gateway:
     def add_station(self, link: Link, plc: Plc) -> None:
         """A PLC of a link that is driven already."""
         live = link.type is LinkType.SOFT and plc.program is None
-        station = Station(plc, self._drivers[link.name], self.table, live=live)
+        station = Station(plc, self._drivers[link.name], self.table, self.item, live=live)
         self._stations[plc.item_id] = station
         self.add_items(station, list(plc.all_items()))
 
@@ -119,10 +120,12 @@ class Gateway:
     def remove_items(self, rows: Iterable[int]) -> None:
         """Forget rows; their names are unknown from now on."""
         gone = list(rows)
+        by_station: dict[Station, list[int]] = {}
         for row in gone:
-            station = self._station_of[row]
-            if station is not None:
-                station.remove([row])
+            by_station.setdefault(self.station(row), []).append(row)
+        for station, members in by_station.items():
+            station.remove(members)
+        for row in gone:
             self._items[row] = self._station_of[row] = None
         self.table.remove(gone)
         self.dynamic.forget_index()
@@ -130,7 +133,6 @@ class Gateway:
     def replace_item(self, row: int, item: Item) -> None:
         """The item's description, limits or access changed, not its place or type."""
         self._items[row] = item
-        self.station(row).replace(row, item)
         self.dynamic.forget_index()
 
     def set_groups(self) -> None:

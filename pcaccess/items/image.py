@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 
 from pcaccess.items.quality import Quality
 from pcaccess.items.records import KINDS
-from pcaccess.items.table import ItemTable, Rows, RowSet, as_rows
+from pcaccess.items.rowset import Rows, RowSet
+from pcaccess.items.table import ItemTable, as_rows
 from pcaccess.s7200.types import DataType, Value
 
 

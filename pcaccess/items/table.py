@@ -12,12 +12,14 @@ Not here: bytes of a PLC to values (``image``), access rules (``pcaccess.gateway
 from __future__ import annotations
 
 import struct
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pcaccess.items.names import Names
 from pcaccess.items.quality import Limit, Quality, split_code
 from pcaccess.items.records import (
     ALL_KINDS,
@@ -28,14 +30,13 @@ from pcaccess.items.records import (
     NULL_VARIANT,
     OBJECT_KIND,
 )
+from pcaccess.items.rowset import Places, Rows, RowSet, span
 from pcaccess.items.sample import ItemValue, Sample
 from pcaccess.items.ticks import from_ticks
 from pcaccess.items.varianttypes import VARIANT_TYPES
 from pcaccess.s7200.types import DataType, Value
 
-Rows = NDArray[np.int64]
 Listener = Callable[[Rows], None]
-_Places = NDArray[np.int64] | slice
 
 _ARRAY_FLAG: Final = 0x80
 _FIRST_CAPACITY: Final = 64
@@ -86,7 +87,7 @@ class ItemTable:
         self._types: list[DataType | None] = []
         self._counts: dict[int, int] = {}
         self._ids: list[str] = []
-        self._rows: dict[str, int] = {}
+        self._names = Names(self.item_id)
         self._free_rows: list[int] = []
         self._listeners: list[Listener] = []
         self.counter = 0
@@ -101,7 +102,7 @@ class ItemTable:
     # ------------------------------------------------------------------ rows
 
     def __len__(self) -> int:
-        return len(self._rows)
+        return len(self._ids) - len(self._free_rows)
 
     def add(self, item_id: str, data_type: DataType, count: int = 1) -> int:
         """A new row, WAITING_FOR_INITIAL_DATA until its first sample."""
@@ -109,17 +110,17 @@ class ItemTable:
 
     def add_many(self, items: Sequence[tuple[str, DataType, int]]) -> Rows:
         """A new row for each ``(ID, type, element count)``; nothing is added when one of the IDs exists."""
-        keys = [item_id.casefold() for item_id, _, _ in items]
-        if len(set(keys)) != len(keys) or not self._rows.keys().isdisjoint(keys):
-            raise KeyError(f"exists already: {self._first_taken(keys)}")
+        names = [item_id for item_id, _, _ in items]
+        self._names.check(names)
         rows = self._take_rows(len(items))
         by_kind: dict[int, list[int]] = {}
-        for (item_id, data_type, count), key, row in zip(items, keys, rows.tolist(), strict=True):
-            fixed = count == 1 and data_type is not DataType.STRING
-            by_kind.setdefault(KINDS[data_type].index if fixed else OBJECT_KIND.index, []).append(row)
-            self._types[row], self._ids[row], self._rows[key] = data_type, item_id, row
+        numbers = rows.tolist()
+        for (item_id, data_type, count), row in zip(items, numbers, strict=True):
+            by_kind.setdefault(_kind_of(data_type, count), []).append(row)
+            self._types[row], self._ids[row] = data_type, item_id
             if count != 1:
                 self._counts[row] = count
+        self._names.add(names, numbers)
         for kind, members in by_kind.items():
             self._place_rows(kind, np.array(members, np.int64))
         self._quality[rows] = Quality.WAITING_FOR_INITIAL_DATA.code
@@ -128,13 +129,12 @@ class ItemTable:
         self.generation += 1
         return rows
 
-    def _first_taken(self, keys: list[str]) -> str:
-        seen: set[str] = set()
-        for key in keys:
-            if key in self._rows or key in seen:
-                return key
-            seen.add(key)
-        return ""
+    def reserve(self, items: Iterable[tuple[DataType, int]]) -> None:
+        """Make room for rows of these types and element counts, so that adding them in parts copies nothing."""
+        more = Counter(_kind_of(data_type, count) for data_type, count in items)
+        for kind, number in more.items():
+            self._enlarge(kind, self._used[kind] + number)
+        self._enlarge_rows(len(self._ids) + more.total())
 
     def _place_rows(self, kind: int, rows: Rows) -> None:
         places = self._take_places(kind, len(rows))
@@ -153,7 +153,7 @@ class ItemTable:
 
     def add_alias(self, name: str, row: int) -> None:
         """Another name for a row, for example its run-time name."""
-        self._rows.setdefault(name.casefold(), row)
+        self._names.add_alias(name, row)
 
     def remove(self, rows: Iterable[int]) -> None:
         """Forget rows; their numbers may be given to later items."""
@@ -166,13 +166,13 @@ class ItemTable:
             self._types[row], self._ids[row] = None, ""
             self._counts.pop(row, None)
         self._free_rows.extend(gone)
-        self._rows = {name: row for name, row in self._rows.items() if row not in gone}
+        self._names.remove(gone)
         self.generation += 1
         self.removals += 1
 
     def find(self, name: str) -> int | None:
         """Row of an ID or alias, without regard to case."""
-        return self._rows.get(name.casefold())
+        return self._names.find(name)
 
     def item_id(self, row: int) -> str:
         """The ID as written; empty for a removed row."""
@@ -192,11 +192,7 @@ class ItemTable:
         reused = [self._free_rows.pop() for _ in range(min(number, len(self._free_rows)))]
         first, fresh = len(self._ids), number - len(reused)
         if first + fresh > len(self._kind):
-            size = _capacity(len(self._kind), first + fresh)
-            self._kind = _grown(self._kind, size)
-            self._place = _grown(self._place, size)
-            self._quality = _grown(self._quality, size)
-            self._changed = _grown(self._changed, size)
+            self._enlarge_rows(_capacity(len(self._kind), first + fresh))
         self._ids.extend([""] * fresh)
         self._types.extend([None] * fresh)
         return np.array([*reused, *range(first, first + fresh)], np.int64)
@@ -206,14 +202,23 @@ class ItemTable:
         reused = [free.pop() for _ in range(min(number, len(free)))]
         first, fresh = self._used[kind], number - len(reused)
         if first + fresh > len(self._blocks[kind]):
-            size = _capacity(len(self._blocks[kind]), first + fresh)
-            self._blocks[kind] = _grown(self._blocks[kind], size)
-            self._buffers[kind] = _bytes_of(self._blocks[kind])
+            self._enlarge(kind, _capacity(len(self._blocks[kind]), first + fresh))
         self._used[kind] += fresh
         if kind == OBJECT_KIND.index:
             self._objects.extend([NULL_VARIANT] * fresh)
             self._object_values.extend([None] * fresh)
         return np.array([*reused, *range(first, first + fresh)], np.int64)
+
+    def _enlarge_rows(self, size: int) -> None:
+        if size > len(self._kind):
+            self._kind, self._place = _grown(self._kind, size), _grown(self._place, size)
+            self._quality, self._changed = _grown(self._quality, size), _grown(self._changed, size)
+
+    def _enlarge(self, kind: int, size: int) -> None:
+        if size > len(self._blocks[kind]):
+            self._blocks[kind] = _grown(self._blocks[kind], size)
+            self._buffers[kind] = _bytes_of(self._blocks[kind])
+            self.generation += 1
 
     # ------------------------------------------------------------------ reading
 
@@ -303,7 +308,7 @@ class ItemTable:
         if not len(rows):
             return
         kind = KINDS[data_type].index
-        places = _span(self._place[rows])
+        places = span(self._place[rows])
         block = self._blocks[kind]
         differs = block["value"][places] != values
         if data_type is DataType.REAL:  # NaN is not equal to itself, and must not report for ever
@@ -343,7 +348,7 @@ class ItemTable:
         else:
             self.put_number(row, value, now)  # type: ignore[arg-type]
 
-    def _finish(self, rows: Rows, differs: NDArray[np.bool_], places: _Places, block: NDArray[Any], now: int) -> None:
+    def _finish(self, rows: Rows, differs: NDArray[np.bool_], places: Places, block: NDArray[Any], now: int) -> None:
         self.moves += 1
         block["source"][places] = now
         block["server"][places] = now
@@ -400,25 +405,14 @@ class ItemTable:
         for kind in np.unique(kinds):
             yield int(kind), rows[kinds == kind]
 
-    def spans(self, rows: Rows) -> list[tuple[int, _Places]]:
+    def spans(self, rows: Rows) -> list[tuple[int, Places]]:
         """Kind and places of ``rows``, as :class:`RowSet` keeps them."""
-        return [(kind, _span(self._place[members])) for kind, members in self._by_kind(rows)]
+        return [(kind, span(self._place[members])) for kind, members in self._by_kind(rows)]
 
 
-class RowSet:
-    """Rows that are often stamped together, with their places in the blocks."""
-
-    def __init__(self, rows: Rows) -> None:
-        self.rows = rows
-        self._generation = -1
-        self._spans: list[tuple[int, _Places]] = []
-
-    def placed(self, table: ItemTable) -> list[tuple[int, _Places]]:
-        """Kind and places, looked up again only when rows came or went."""
-        if self._generation != table.generation:
-            self._spans = table.spans(self.rows)
-            self._generation = table.generation
-        return self._spans
+def _kind_of(data_type: DataType, count: int) -> int:
+    fixed = count == 1 and data_type is not DataType.STRING
+    return KINDS[data_type].index if fixed else OBJECT_KIND.index
 
 
 def _same(a: ItemValue | None, b: ItemValue) -> bool:
@@ -428,20 +422,13 @@ def _same(a: ItemValue | None, b: ItemValue) -> bool:
     return len(a) == len(b) and all(x == y or (x != x and y != y) for x, y in zip(a, b, strict=True))
 
 
-def _span(places: NDArray[np.int64]) -> _Places:
-    """A slice where the places follow each other, which is many times faster than a list of them."""
-    if len(places) > 1 and places[-1] - places[0] == len(places) - 1 and (np.diff(places) == 1).all():
-        return slice(int(places[0]), int(places[-1]) + 1)
-    return places
-
-
 def _bytes_of(block: NDArray[Any]) -> memoryview:
     return block.view(np.uint8).data
 
 
 def _capacity(now: int, needed: int) -> int:
-    """Rows to make room for: twice as many while they are few, an eighth more when they are many."""
-    return max(_FIRST_CAPACITY, min(2 * now, now + max(now // 8, 65_536)), needed)
+    """Rows to make room for: an eighth more than there are, so that growing seldom copies and little is unused."""
+    return max(_FIRST_CAPACITY, now + now // 8, needed)
 
 
 def _grown(column: NDArray[Any], size: int) -> NDArray[Any]:

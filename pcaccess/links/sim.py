@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from pcaccess.clock import Clock
 from pcaccess.items.quality import Quality, split_code
 from pcaccess.items.records import KINDS
-from pcaccess.items.table import ItemTable, Rows, as_rows
+from pcaccess.items.rowset import Rows
+from pcaccess.items.table import ItemTable, as_rows
 from pcaccess.items.ticks import to_ticks
 from pcaccess.links.base import Outcome, PlcStatus, RawBlock, RawWrite
 from pcaccess.project.model import Item, Plc

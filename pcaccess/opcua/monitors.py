@@ -23,7 +23,7 @@ from asyncua.ua.status_codes import StatusCodes
 from numpy.typing import NDArray
 
 from pcaccess.gateway.gateway import Gateway
-from pcaccess.items.table import Rows
+from pcaccess.items.rowset import Rows
 from pcaccess.opcua.attributes import with_times
 from pcaccess.opcua.nodestore import OURS
 from pcaccess.opcua.ranges import RangeError, parse_range, take_range

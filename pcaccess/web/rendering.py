@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 
 from pcaccess.items.quality import Quality
 from pcaccess.items.records import KINDS, OBJECT_KIND
+from pcaccess.items.rowset import Rows
 from pcaccess.items.sample import Sample
-from pcaccess.items.table import ItemTable, Rows, as_rows
+from pcaccess.items.table import ItemTable, as_rows
 from pcaccess.items.ticks import to_ticks
 from pcaccess.s7200.types import DataType
 from pcaccess.web.formats import Format, Ticks, all_equal, numbers, value_text

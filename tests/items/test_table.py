@@ -17,8 +17,9 @@ from hypothesis import strategies as st
 
 from pcaccess.items.quality import Limit, Quality
 from pcaccess.items.records import KINDS, MASK_ALL, MASK_VALUE
+from pcaccess.items.rowset import RowSet
 from pcaccess.items.sample import ItemValue
-from pcaccess.items.table import ItemTable, RowSet, as_rows
+from pcaccess.items.table import ItemTable, as_rows
 from pcaccess.items.ticks import from_ticks, to_ticks
 from pcaccess.items.varianttypes import VARIANT_TYPES
 from pcaccess.s7200.types import DataType

@@ -20,7 +20,7 @@ from pcaccess.gateway.bulk import TYPES, Columns
 from pcaccess.gateway.gateway import Gateway
 from pcaccess.gateway.station import Station
 from pcaccess.gateway.writing import is_verbatim
-from pcaccess.items.table import Rows
+from pcaccess.items.rowset import Rows
 from pcaccess.items.varianttypes import VARIANT_TYPES
 from pcaccess.opcua.ids import ITEMS, SYSTEM
 from pcaccess.opcua.space import Space
