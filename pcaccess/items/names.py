@@ -29,7 +29,7 @@ class Names:
         self._few: dict[str, int] = {}
         """Folded names that came a few at a time, and aliases."""
         self._runs: list[tuple[NDArray[np.int64], NDArray[np.int32]]] = []
-        """Sorted hashes of folded names, with their rows; made one before somebody looks."""
+        """Sorted hashes of folded names, with their rows; each at most half as long as the one before when it came."""
         self._asked: dict[str, int] = {}
 
     def find(self, name: str) -> int | None:
@@ -47,22 +47,15 @@ class Names:
         row = self._few.get(folded)
         if row is not None or not self._runs:
             return row
-        hashes, rows = self._merged()
         number = hash(folded)
-        at = int(hashes.searchsorted(number))
-        while at < len(hashes) and hashes[at] == number:
-            row = int(rows[at])
-            if self._written(row).casefold() == folded:
-                return row
-            at += 1
+        for hashes, rows in self._runs:
+            at = int(hashes.searchsorted(number))
+            while at < len(hashes) and hashes[at] == number:
+                row = int(rows[at])
+                if self._written(row).casefold() == folded:
+                    return row
+                at += 1
         return None
-
-    def _merged(self) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
-        if len(self._runs) > 1:
-            hashes = np.concatenate([run[0] for run in self._runs])
-            rows = np.concatenate([run[1] for run in self._runs])
-            self._runs = [_sorted(hashes, rows)]
-        return self._runs[0]
 
     def check(self, names: Sequence[str]) -> None:
         """Raise KeyError if one of the names exists, or comes twice."""
@@ -86,7 +79,15 @@ class Names:
         if len(names) <= FEW:
             self._few.update(zip(folded, rows, strict=True))
         else:
-            self._runs.append(_sorted(_hashes(folded), np.array(rows, np.int32)))
+            self._add_run(_hashes(folded), np.array(rows, np.int32))
+
+    def _add_run(self, hashes: NDArray[np.int64], rows: NDArray[np.int32]) -> None:
+        """Shorter runs go into it, so that there are few to look into and each name was copied a few times only."""
+        while self._runs and len(self._runs[-1][0]) < 2 * len(hashes):
+            earlier, their_rows = self._runs.pop()
+            hashes, rows = np.concatenate((earlier, hashes)), np.concatenate((their_rows, rows))
+        order = np.argsort(hashes, kind="stable")
+        self._runs.append((hashes[order], rows[order]))
 
     def add_alias(self, name: str, row: int) -> None:
         """Another name of a row; one that is taken stays with its row."""
@@ -105,8 +106,3 @@ class Names:
 
 def _hashes(folded: Sequence[str]) -> NDArray[np.int64]:
     return np.fromiter(map(hash, folded), np.int64, len(folded))
-
-
-def _sorted(hashes: NDArray[np.int64], rows: NDArray[np.int32]) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
-    order = np.argsort(hashes, kind="stable")
-    return hashes[order], rows[order]
