@@ -17,11 +17,12 @@ from pcaccess.cli.output import GAP, Cell, Column, Row, counted, json_line, note
 from pcaccess.cli.values import json_value, value_text
 from pcaccess.clock import Clock
 from pcaccess.items.varianttypes import VARIANT_TYPES
-from pcaccess.links.scanning import LOOPS, SHORTEST_PAUSE, WATCHDOG
+from pcaccess.links.scanning import LOOPS, SHORTEST_PAUSE
 from pcaccess.plc.compiler import make_executor
 from pcaccess.plc.cpu import Cpu
 from pcaccess.plc.errorlog import ErrorRecord
 from pcaccess.plc.literals import LiteralError, Target, parse_target, parse_typed, parse_value, plain_type
+from pcaccess.plc.watchdog import TimedWatchdog
 from pcaccess.s7200.address import Address, Area
 from pcaccess.s7200.cpu import CpuModel
 from pcaccess.s7200.types import DataType, Value
@@ -144,13 +145,9 @@ class Scanner:
             now=self._began * 1000,
             make_executor=make_executor,
             loop_budget=LOOPS,
-            extend_scan=self._in_time,
+            watchdog=TimedWatchdog(clock),
         )
         self.status = Status()
-
-    def _in_time(self) -> bool:
-        """A scan may take as long as on a real CPU."""
-        return self._clock.monotonic() - self._began < WATCHDOG
 
     async def run(self, places: Sequence[Place], view: View, period: float | None, duration: float | None) -> None:
         """Scan every ``period`` seconds (None: freely), at least once, until ``duration`` is over.

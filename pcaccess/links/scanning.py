@@ -17,6 +17,7 @@ from pcaccess.items.quality import Quality
 from pcaccess.links.base import Outcome, PlcStatus, RawWrite, Sink
 from pcaccess.plc.compiler import make_executor
 from pcaccess.plc.cpu import Cpu, Mode, Prepared
+from pcaccess.plc.watchdog import TimedWatchdog
 from pcaccess.project.model import Plc
 from pcaccess.s7200.memory import MEMORY_SIZE
 from pcaccess.stl.program import Program
@@ -25,8 +26,6 @@ log = logging.getLogger(__name__)
 
 SHORTEST_PAUSE: Final = 0.001
 """Seconds left to everything else in this process after each scan of a free-running PLC."""
-WATCHDOG: Final = 0.5
-"""Seconds that a scan may take (System Manual, Watchdog Reset: 500 ms in newer CPUs)."""
 LOOPS: Final = 10_000
 """Backward jumps and calls until the watchdog looks at the time; that often it costs nothing to speak of."""
 
@@ -47,7 +46,6 @@ class ScanningPlc:
         self._program = program
         self._sink = sink
         self._clock = clock
-        self._scan_began = clock.monotonic()
         self._scan_took = 0.0
         self._told = 0
         self._stopped_by_fault = False
@@ -59,7 +57,7 @@ class ScanningPlc:
             now=self._milliseconds(),
             make_executor=make_executor,
             loop_budget=LOOPS,
-            extend_scan=self._in_time,
+            watchdog=TimedWatchdog(clock),
         )
         self.cpu.run(self._milliseconds())
 
@@ -69,9 +67,6 @@ class ScanningPlc:
 
     def _milliseconds(self) -> float:
         return self._clock.monotonic() * 1000
-
-    def _in_time(self) -> bool:
-        return self._clock.monotonic() - self._scan_began < WATCHDOG
 
     def configure(self, plc: Plc, program: Program) -> None:
         """Take a changed entry at once, and a changed program as soon as it is compiled."""
@@ -152,9 +147,9 @@ class ScanningPlc:
     def scan(self) -> None:
         """One scan, and everything that follows from it."""
         taken = self._take_exchange()
-        self._scan_began = self._clock.monotonic()
-        self.cpu.scan(self._milliseconds())
-        self._scan_took = self._clock.monotonic() - self._scan_began
+        began = self._clock.monotonic()
+        self.cpu.scan(began * 1000)
+        self._scan_took = self._clock.monotonic() - began
         if self.plc.connected:
             self._sink.received(self.plc.item_id, memoryview(self.cpu.memory)[:MEMORY_SIZE])
         self._answer(Outcome.DONE)

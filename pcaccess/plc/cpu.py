@@ -11,7 +11,6 @@ Source:   document 000, "The scan cycle" and appendix C (SM memory); document 00
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 from typing import Final
@@ -24,6 +23,7 @@ from pcaccess.plc.interrupts import INPUT_EVENTS
 from pcaccess.plc.peripherals import AbsentPeripherals
 from pcaccess.plc.runtime import CpuRuntime, whole
 from pcaccess.plc.timers import advance_10_ms, restart_timers
+from pcaccess.plc.watchdog import Watchdog
 from pcaccess.s7200.address import Address, Area
 from pcaccess.s7200.cpu import CpuModel
 from pcaccess.s7200.memory import AREA_START, C_BITS, locate, read_value
@@ -83,20 +83,20 @@ class Cpu:
         peripherals: Peripherals | None = None,
         stop_outputs: bytes | None = bytes(_IMAGE),
         loop_budget: int = LOOP_BUDGET,
-        extend_scan: Callable[[], bool] | None = None,
+        watchdog: Watchdog | None = None,
     ) -> None:
         """The CPU is switched on at ``now`` and is in STOP.
 
         ``memory``: a zeroed buffer of ``layout.BUFFER_SIZE`` bytes to live in. ``stop_outputs``: outputs in STOP
-        (16 bytes), None freezes them. ``extend_scan``: asked after ``loop_budget`` backward jumps and calls; True
-        lets the scan go on (a caller with a clock looks at the time), else the watchdog ends it.
+        (16 bytes), None freezes them. ``watchdog``: asked after ``loop_budget`` backward jumps and calls whether the
+        scan may go on; left out, it may not.
         """
         self.model = model
         self.mode = Mode.STOP
         self.memory = bytearray(layout.BUFFER_SIZE) if memory is None else memory
-        self.runtime = CpuRuntime(model, self.memory, peripherals or AbsentPeripherals())
-        self.runtime.budget = loop_budget
-        self.runtime.extend = extend_scan or (lambda: False)
+        self.runtime = CpuRuntime(
+            model, self.memory, peripherals or AbsentPeripherals(), budget=loop_budget, watchdog=watchdog
+        )
         self.module: Module | None = None
         self.scans = 0
         """Scans since the change to RUN."""

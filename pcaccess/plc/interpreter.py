@@ -373,13 +373,13 @@ class _Translator:
         return run
 
     def budget(self, op: ir.Budget) -> Step:
-        m, exhausted, counter = self._memory, self._runtime.out_of_budget, _STRUCT[IrType.U32]
+        m, exhausted, counter, place = self._memory, self._runtime.out_of_budget, _STRUCT[IrType.U32], op.place
 
         def run(_: Registers) -> None:
             (left,) = counter.unpack_from(m, layout.BUDGET)
             if left:
                 counter.pack_into(m, layout.BUDGET, left - 1)
-            elif exhausted():
+            elif exhausted(place):
                 raise _Unwind
 
         return run

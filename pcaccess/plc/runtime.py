@@ -9,7 +9,6 @@ Units:    milliseconds.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Final
 
 from pcaccess.plc.errorlog import ErrorLog
@@ -17,6 +16,7 @@ from pcaccess.plc.executor import Executor
 from pcaccess.plc.frames import push_frame, unwind_to
 from pcaccess.plc.interrupts import T32_EVENT, T96_EVENT, TIMED_0, TIMED_1, InterruptTable
 from pcaccess.plc.timers import advance_1_ms
+from pcaccess.plc.watchdog import CountedWatchdog, Watchdog
 from pcaccess.s7200.address import Area
 from pcaccess.s7200.cpu import CpuModel
 from pcaccess.s7200.memory import AREA_START
@@ -45,16 +45,26 @@ def whole(milliseconds: float) -> int:
 class CpuRuntime:
     """Implements ``Runtime`` for one CPU."""
 
-    def __init__(self, model: CpuModel, memory: bytearray | memoryview, peripherals: Peripherals) -> None:
+    def __init__(
+        self,
+        model: CpuModel,
+        memory: bytearray | memoryview,
+        peripherals: Peripherals,
+        *,
+        budget: int,
+        watchdog: Watchdog | None = None,
+    ) -> None:
+        """``budget``: backward jumps and calls until the watchdog is asked."""
         self.memory = memory
         self.peripherals = peripherals
         self.errors = ErrorLog()
         self.interrupts = InterruptTable(communication_depth=4 * model.ports)
         self.stop_requested = False
         self.now = 0.0
-        self.extend: Callable[[], bool] = lambda: False
-        """Asked when the loop budget is used up: True gives the scan another one."""
-        self.budget = 0
+        self.budget = budget
+        self.watchdog: Watchdog = watchdog or CountedWatchdog(budget)
+        self._jumps = 0
+        """Of this scan, up to when the budget was filled last."""
         self._areas = [
             *((AREA_START[a], AREA_START[a] + model.sizes[a] * (2 if a in (Area.T, Area.C) else 1)) for a in Area),
             (layout.ZEROS, layout.ZEROS + 8),
@@ -86,12 +96,19 @@ class CpuRuntime:
 
     def begin_scan(self, now: float, load: float) -> None:
         self._spread = (now, load)
-        self.refill()
+        self._jumps = 0
+        self._refill()
+        self.watchdog.begin()
         self.advance(now)
 
-    def refill(self) -> None:
+    def _refill(self) -> None:
         """The whole loop budget again."""
         self.memory[layout.BUDGET : layout.BUDGET + 4] = self.budget.to_bytes(4, "big")
+
+    def _spent(self) -> int:
+        """Backward jumps and calls of this scan up to now."""
+        left = int.from_bytes(self.memory[layout.BUDGET : layout.BUDGET + 4], "big")
+        return self._jumps + self.budget - left
 
     # time and interrupts
 
@@ -140,7 +157,7 @@ class CpuRuntime:
         if network >= 0 and load > 0 and self._module is not None:
             self.advance(start + load * network / max(1, self._module.networks))
         self.run_interrupts()
-        return False
+        return self.errors.fatal is not None  # an interrupt routine that the watchdog ended ends the scan
 
     def run_interrupts(self) -> None:
         """Run the routines of all events that wait; one that runs already is not interrupted."""
@@ -178,14 +195,16 @@ class CpuRuntime:
         self.errors.add(RUN_TIME_ERRORS[code], self._module.places[place], self.now)
         self._set_sm(RUN_TIME_PROBLEM, True)
 
-    def out_of_budget(self) -> bool:
-        if self.extend():
-            self.refill()
+    def out_of_budget(self, place: int) -> bool:
+        assert self._module is not None
+        if self.watchdog.extend():
+            self._jumps = self._spent()
+            self._refill()
             return False
-        self.fail(FatalError.WATCHDOG, None)
+        self._fail(FatalError.WATCHDOG, self._module.places[place])
         return True
 
-    def fail(self, code: FatalError, place: Place | None) -> None:
+    def _fail(self, code: FatalError, place: Place) -> None:
         """A fatal error: the CPU goes to STOP when the scan has unwound."""
         self.errors.add(code, place, self.now)
         self.stop_requested = True
@@ -196,7 +215,10 @@ class CpuRuntime:
             self.interrupts.forget_waiting()
 
     def reset_watchdog(self) -> None:
-        self.refill()
+        spent = self._spent()
+        if self.watchdog.reset(spent):
+            self._jumps = spent
+            self._refill()
 
     def attach(self, event: int, routine: int) -> Outcome:
         self.interrupts.attach(event, routine)

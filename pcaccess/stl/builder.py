@@ -329,6 +329,10 @@ class Builder:
         """The operand's bits as an unsigned integer."""
         return self.load_at(_UNSIGNED[TYPE_OF[place.type].bits], place.at)
 
+    def load_bits(self, place: Place) -> Value:
+        """What is only copied, bit for bit: a REAL need not be a number."""
+        return self.load(place) if place.type is DataType.BOOL else self.load_raw(place)
+
     def store(self, place: Place, value: Value) -> None:
         """``value`` has the IR type of the place, or another of the same width."""
         if place.type is DataType.BOOL:

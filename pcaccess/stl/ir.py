@@ -380,10 +380,12 @@ class Poll:
 
 @dataclass(slots=True, eq=False)
 class Budget:
-    """Count BUDGET down; when it was 0, ask ``runtime.out_of_budget()``. May unwind.
+    """Count BUDGET down; when it was 0, ask ``runtime.out_of_budget(place)``. May unwind.
 
     On every backward jump and every call: calls eight deep can last as long as any loop.
     """
+
+    place: int
 
 
 Operation = (

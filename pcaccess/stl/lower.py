@@ -271,15 +271,15 @@ class PouBuilder(Routine):
                     value = self._constant(spec, operand)
                 else:
                     assert isinstance(operand, Direct | Indirect)
-                    value = self.load(self.place_of(operand, variable.data_type, targets.get(n)))
+                    value = self.load_bits(self.place_of(operand, variable.data_type, targets.get(n)))
                 passed.append((variable, value))
-        self.emit(ir.Budget())
+        self.emit(ir.Budget(self.place))
         self.emit(ir.PushFrame())
         for variable, value in passed:
             self.store(_local(variable), value)
         self.emit(ir.CallPou(function))
         results = [
-            (variable, n, operand, self.load(_local(variable)))
+            (variable, n, operand, self.load_bits(_local(variable)))
             for n, (variable, operand) in enumerate(pairs)
             if variable.section is not Section.IN
         ]
@@ -321,9 +321,8 @@ def _typed(address: Address, kind: DataType) -> Address:
 
 
 def _parameter_spec(variable: Variable) -> OperandSpec:
-
     make = {Section.IN: In, Section.IN_OUT: InOut, Section.OUT: Out}[variable.section]
-    return make(variable.name, variable.data_type)
+    return make(variable.name, variable.data_type, raw=True)
 
 
 def _local(variable: Variable) -> Place:

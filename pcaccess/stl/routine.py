@@ -250,7 +250,7 @@ class Routine(Builder):
         self.emit(ir.Poll(network))
 
     def _back(self) -> None:
-        self.emit(ir.Budget())
+        self.emit(ir.Budget(self.place))
         self.emit(ir.Poll(-1))
 
     def label(self, number: int) -> None:

@@ -63,8 +63,9 @@ class Runtime(Protocol):
         """Time goes on and interrupts run; True: unwind."""
         ...
 
-    def out_of_budget(self) -> bool:
-        """The loop budget is used up; True: the watchdog ends the scan, unwind."""
+    def out_of_budget(self, place: int) -> bool:
+        """The loop budget is used up at ``place`` (see ``pcaccess.stl.ir.Budget``); True: the watchdog ends the
+        scan, unwind."""
         ...
 
     def request_stop(self) -> None:

@@ -37,8 +37,8 @@ class Recorder:
     def poll(self, network: int) -> bool:
         return self._asked("poll", network)
 
-    def out_of_budget(self) -> bool:
-        return self._asked("out_of_budget")
+    def out_of_budget(self, place: int) -> bool:
+        return self._asked("out_of_budget", place)
 
     def request_stop(self) -> None:
         self._asked("request_stop")

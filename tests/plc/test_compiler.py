@@ -68,7 +68,7 @@ def endless(b: Builder) -> None:
     loop = b.new_block()
     b.jump(loop)
     b.start(loop)
-    b.emit(ir.Budget())
+    b.emit(ir.Budget(7))
     b.jump(loop)
     b.start(b.new_block())
 
@@ -78,7 +78,7 @@ def test_the_budget_ends_an_endless_loop() -> None:
     recorder.memory[layout.BUDGET : layout.BUDGET + 4] = (1000).to_bytes(4, "big")
     recorder.answers["out_of_budget"] = True
     assert executor.run(0)
-    assert recorder.calls == [("out_of_budget", ())]
+    assert recorder.calls == [("out_of_budget", (7,))]
     assert recorder.memory[layout.BUDGET : layout.BUDGET + 4] == bytes(4)
 
 
@@ -190,7 +190,7 @@ def test_code_runs_again_after_an_exception() -> None:
 
 @pytest.mark.parametrize("asked", ["poll", "out_of_budget", "fault"])
 def test_an_exception_of_the_cpu_comes_out_too(asked: str) -> None:
-    operations = {"poll": ir.Poll(0), "out_of_budget": ir.Budget()}
+    operations = {"poll": ir.Poll(0), "out_of_budget": ir.Budget(7)}
 
     def body(b: Builder) -> None:
         b.emit(operations.get(asked) or ir.Fault(b.const(IrType.I32, 6), 0))
@@ -248,7 +248,7 @@ def test_a_scan_does_not_hold_the_interpreter_lock() -> None:
         loop, after = b.new_block(), b.new_block()
         b.jump(loop)
         b.start(loop)
-        b.emit(ir.Budget())
+        b.emit(ir.Budget(7))
         b.branch(b.load_bit(0, 0), after, loop)
         b.start(after)
 

@@ -19,6 +19,7 @@ from tests.plc.conftest import Bench, program
 BOOL, INT, BYTE = DataType.BOOL, DataType.INT, DataType.BYTE
 MakeBench = Callable[..., Bench]
 
+WATCHDOG = "0003 scan watchdog: the program did not end in time"
 FOLLOW = "LD I0.0\n= Q0.0\n"
 COUNT = "LD SM0.0\nINCW VW0\n"
 TIMED = """ORGANIZATION_BLOCK MAIN:OB1
@@ -182,14 +183,16 @@ def test_the_watchdog_ends_an_endless_loop_and_says_so(bench: MakeBench) -> None
     plc = bench("LBL 1\nLD SM0.0\nINCW VW0\nLD SM0.0\nJMP 1\n", loop_budget=100)
     plc.scan()
     assert plc.cpu.mode is Mode.STOP
-    assert str(plc.cpu.fatal).startswith("0003")
+    assert str(plc.cpu.fatal) == f"test.awl:5:1: {WATCHDOG} (MAIN (OB1), network 1)"
 
 
-def test_a_caller_with_a_clock_can_extend_a_scan(bench: MakeBench) -> None:
-    asked = []
-    plc = bench("LD SM0.0\nFOR VW0, 1, 250\nNEXT\n", loop_budget=100, extend_scan=lambda: not asked.append(1))
+def test_an_endless_loop_in_an_interrupt_routine_ends_the_scan(bench: MakeBench) -> None:
+    plc = bench(TIMED.replace("LD SM0.0\nINCW VW0", "LBL 1\nLD SM0.0\nJMP 1"), loop_budget=100)
     plc.scan()
-    assert (plc.word("VW0"), len(asked), plc.cpu.mode) == (251, 2, Mode.RUN)
+    plc.scan(after=1, load=9)  # due in the second of three networks
+    assert (plc.cpu.mode, plc.word("VW2")) == (Mode.STOP, 0)
+    assert str(plc.cpu.fatal) == f"test.awl:22:1: {WATCHDOG} (INT_0 (INT0), network 1)"
+    assert len(plc.cpu.errors) == 1
 
 
 def test_an_error_is_recorded_once_with_its_place_and_count(bench: MakeBench) -> None:

@@ -30,7 +30,7 @@ class Bridge:
         self._calls = [(call.function, call.static) for call in sites.calls]
         self._functions = [
             ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int)(self._poll),
-            ctypes.CFUNCTYPE(ctypes.c_int)(self._out_of_budget),
+            ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int)(self._out_of_budget),
             ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int, ctypes.c_int)(self._fault),
             *(self._cold(signature) for signature in sites.signatures),
         ]
@@ -58,9 +58,9 @@ class Bridge:
         except BaseException as error:
             return self._failed(error)
 
-    def _out_of_budget(self) -> int:
+    def _out_of_budget(self, place: int) -> int:
         try:
-            return int(self._runtime.out_of_budget())
+            return int(self._runtime.out_of_budget(place))
         except BaseException as error:
             return self._failed(error)
 

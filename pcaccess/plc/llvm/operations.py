@@ -413,7 +413,9 @@ class Writer:
             f"br label %s{s}\ns{s}:\n"
         )
         self._next = n + 6
-        self.rare.append(f"r{s}:\n%u{s} = call i1 @out_of_budget(ptr %e)\nbr i1 %u{s}, label %unwind, label %s{s}\n")
+        self.rare.append(
+            f"r{s}:\n%u{s} = call i1 @out_of_budget(ptr %e, i32 {op.place})\nbr i1 %u{s}, label %unwind, label %s{s}\n"
+        )
 
 
 def _swapped(value: ir.Value) -> int:

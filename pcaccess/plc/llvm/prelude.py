@@ -37,10 +37,10 @@ define internal i1 @poll(ptr %e, i32 %network) nounwind {{
   ret i1 %u
 }}
 
-define internal i1 @out_of_budget(ptr %e) nounwind {{
+define internal i1 @out_of_budget(ptr %e, i32 %place) nounwind {{
   %at = getelementptr i8, ptr %e, i64 {abi.OUT_OF_BUDGET}
   %f = load ptr, ptr %at
-  %r = call i32 %f()
+  %r = call i32 %f(i32 %place)
   %u = icmp ne i32 %r, 0
   ret i1 %u
 }}
