@@ -330,7 +330,7 @@ def test_a_fatal_error_ends_it_with_exit_code_1(folder: Path) -> None:
     (folder / "endless.awl").write_text(COPY.replace("INCW VW10", "LBL 1\nJMP 1"))
     outcome = invoke("plc", "run", "endless.awl", "--watch", "Q0.0", "--for", "20s")
     assert outcome.code == 1
-    assert "pcaccess: the CPU stopped: 0003 scan watchdog" in outcome.err
+    assert "pcaccess: the CPU stopped: endless.awl:9:1: 0003 scan watchdog" in outcome.err
 
 
 @pytest.mark.parametrize(
