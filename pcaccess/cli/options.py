@@ -9,7 +9,7 @@ import typer
 
 from pcaccess.cli.endpoint import default_url
 from pcaccess.project.durations import EXPECTED, DurationError, parse_duration
-from pcaccess.project.network import NetworkError, check_endpoint, check_web
+from pcaccess.project.network import NetworkError, check_endpoint, parse_web
 
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON, for programs.")]
 MaxSize = Annotated[
@@ -33,7 +33,7 @@ def check_url(url: str) -> str:
 def check_listen(text: str) -> str:
     """HOST:PORT of the web server, or off; anything else is wrong usage."""
     try:
-        check_web(text)
+        parse_web(text)
     except NetworkError as error:
         raise typer.BadParameter(str(error)) from None
     return text

@@ -18,7 +18,7 @@ from pcaccess.gateway.programs import Programs
 from pcaccess.gateway.projectfile import ProjectFile
 from pcaccess.opcua.server import EndpointError, OpcUaServer
 from pcaccess.project.load import Loaded
-from pcaccess.project.network import check_web
+from pcaccess.project.network import parse_web
 from pcaccess.web.server import WebError, WebServer
 
 log = logging.getLogger(__name__)
@@ -84,7 +84,7 @@ async def serve(
 async def _start_web(gateway: Gateway, listen: str | None) -> tuple[WebServer | None, str]:
     """The web server, or why there is none: at an address that nobody chose, one can do without it."""
     settings = gateway.project.server
-    place = settings.web if listen is None else check_web(listen)
+    place = settings.web if listen is None else parse_web(listen)
     if place is None:
         return None, ""
     web = WebServer(gateway, place)

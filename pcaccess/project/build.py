@@ -6,6 +6,7 @@ Nothing stops at the first mistake: what is wrong is reported and left out.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -27,11 +28,13 @@ from pcaccess.project.model import (
     SerialLine,
     Server,
 )
-from pcaccess.project.network import check_endpoint, check_listen, check_server_endpoint, check_web
+from pcaccess.project.network import WebClients, check_endpoint, check_listen, check_server_endpoint, check_web
 from pcaccess.project.yamltext import Node, Sequence
 
 MAX_HINTS: Final = 20
 """Looking for the nearest of many item IDs takes time; after so many, typing mistakes are not the trouble."""
+
+_WEB_CLIENTS: Final = {clients.value: clients for clients in WebClients}
 
 
 def build_project(source: raw.RawProject, path: Path, context: Context, declared: Iterable[str] = ()) -> Project:
@@ -66,8 +69,9 @@ class _Builder:
     def _server(self, source: raw.RawServer, node: Node) -> Server:
         endpoint = self._context.checked(check_server_endpoint, source.endpoint, node, "endpoint", Server().endpoint)
         timeout = self._context.duration(source.read_timeout, node, "read_timeout")
-        web = self._context.checked(check_web, source.web, node, "web", None)
-        return Server(endpoint, timeout, web, web_is_wished="web" in source.model_fields_set)
+        clients = self._context.word(source.web_clients, _WEB_CLIENTS, node, "web_clients", WebClients.THIS_MACHINE)
+        web = self._context.checked(partial(check_web, clients=clients), source.web, node, "web", None)
+        return Server(endpoint, timeout, web, "web" in source.model_fields_set, clients)
 
     def _dynamic_items(self, source: raw.RawDynamicItems, node: Node) -> DynamicItems:
         access = find_access(source.access, self._context.where(node), "access", self._findings)

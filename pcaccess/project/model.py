@@ -18,7 +18,7 @@ from typing import Final
 
 from pcaccess.problems import Span
 from pcaccess.project.access import Access
-from pcaccess.project.network import DEFAULT_WEB
+from pcaccess.project.network import DEFAULT_WEB, WebClients
 from pcaccess.s7200.address import Address
 from pcaccess.s7200.cpu import CpuModel
 from pcaccess.s7200.types import DataType
@@ -303,6 +303,7 @@ class Server:
     """``host:port`` of the web server; None is off."""
     web_is_wished: bool = False
     """The project says where; otherwise the place is only the usual one, and the gateway can do without."""
+    web_clients: WebClients = WebClients.THIS_MACHINE
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ipaddress
 import re
+from enum import Enum
 from typing import Final
 from urllib.parse import urlsplit
 
@@ -18,6 +19,14 @@ class OpenEndpointError(NetworkError):
     def __init__(self, message: str, expected: str) -> None:
         super().__init__(message)
         self.expected = expected
+
+
+class WebClients(Enum):
+    """Who may use the web server, in the words of the project file."""
+
+    THIS_MACHINE = "this machine"
+    READERS = "anyone may read"
+    WRITERS = "anyone may read and write"
 
 
 DEFAULT_WEB: Final = "127.0.0.1:8080"
@@ -38,8 +47,8 @@ def check_server_endpoint(text: str) -> str:
     return text
 
 
-def check_web(text: str) -> str | None:
-    """``host:port`` of our own web server, None for ``off``. Raises OpenEndpointError as above."""
+def parse_web(text: str) -> str | None:
+    """``host:port`` of our own web server, None for ``off``."""
     word = text.strip().lower()
     if word in _OFF:
         return None
@@ -48,9 +57,19 @@ def check_web(text: str) -> str | None:
     host, _, port = text.strip().rpartition(":")
     if not _HOST.fullmatch(host) or not port.isdecimal() or int(port) > 65535:
         raise NetworkError(f"{text!r}; expected HOST:PORT such as {DEFAULT_WEB}, or off")
-    if not is_loopback(host):
-        raise OpenEndpointError(f"{text} would be open to everybody on the network. {_NO_USERS}", DEFAULT_WEB)
     return f"{host}:{port}"
+
+
+def check_web(text: str, clients: WebClients = WebClients.THIS_MACHINE) -> str | None:
+    """The same; raises OpenEndpointError when other machines reach it and ``clients`` does not say that they may."""
+    place = parse_web(text)
+    if place is not None and clients is WebClients.THIS_MACHINE and not is_loopback(place.rpartition(":")[0]):
+        raise OpenEndpointError(
+            f"{text} would be open to everybody on the network, without passwords or encryption; if that is wanted, "
+            f"say so in the project file: server: web_clients: {WebClients.READERS.value}",
+            DEFAULT_WEB,
+        )
+    return place
 
 
 def check_endpoint(text: str) -> str:
@@ -72,12 +91,16 @@ def check_endpoint(text: str) -> str:
 
 def is_loopback(host: str) -> bool:
     """Whether only this machine can reach it."""
-    if host.lower() == "localhost":
-        return True
+    return host.lower() == "localhost" or (is_address(host) and ipaddress.ip_address(host).is_loopback)
+
+
+def is_address(host: str) -> bool:
+    """Whether it is an IP address rather than a name."""
     try:
-        return ipaddress.ip_address(host).is_loopback
+        ipaddress.ip_address(host)
     except ValueError:
         return False
+    return True
 
 
 def check_host(text: str) -> str:

@@ -14,7 +14,7 @@ from typing import Annotated, Any, Final, Literal
 from pydantic import Field
 
 from pcaccess.project.durations import PATTERN
-from pcaccess.project.network import DEFAULT_WEB
+from pcaccess.project.network import DEFAULT_WEB, WebClients
 from pcaccess.project.rawitems import (
     FOLDERS,
     ITEMS,
@@ -272,12 +272,20 @@ class RawServer(Raw):
     web: Annotated[
         str,
         Field(
-            description="HOST:PORT of REST, websocket and metrics, for now only on this machine; off does without. "
+            description="HOST:PORT of REST, websocket and metrics; off does without. "
             "Left out, they are at 127.0.0.1:8080 unless another program is there.",
             examples=["127.0.0.1:8080", "off"],
             json_schema_extra={"anyOf": [{"type": "string"}, {"type": "boolean"}], "type": None},
         ),
     ] = DEFAULT_WEB
+    web_clients: Annotated[
+        str,
+        Field(
+            description="Who may use the web server; anything but this machine opens it to the network, without "
+            "passwords or encryption.",
+            json_schema_extra={"enum": [clients.value for clients in WebClients]},
+        ),
+    ] = WebClients.THIS_MACHINE.value
     read_timeout: Annotated[
         str,
         Field(

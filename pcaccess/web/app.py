@@ -50,6 +50,7 @@ def make_web(gateway: Gateway, patience: float = PATIENCE) -> Web:
     """``patience``: seconds a websocket's message may wait for its client."""
     counts = Counts(gateway.clock.now())
     plans, catalogue = Plans(gateway), Catalogue(gateway)
+    clients = gateway.project.server.web_clients
     sockets = Sockets(gateway, counts, patience)
     items = Items(gateway, plans, catalogue, counts)
     parts = (items, Groups(gateway, plans, items), Health(gateway, catalogue, sockets, counts))
@@ -68,7 +69,8 @@ def make_web(gateway: Gateway, patience: float = PATIENCE) -> Web:
         Endpoint("GET", "/", start, "Where to begin", TEXT, media_type=TEXT_TYPE),
     ]
     others = Router([WebSocketRoute("/ws", sockets.serve)], redirect_slashes=False, default=_not_served)
-    return Web(Guard(Routes(served, gateway.clock, counts, others), counts), endpoints, sockets, counts)
+    routes = Routes(served, clients, gateway.clock, counts, others)
+    return Web(Guard(routes, clients, counts), endpoints, sockets, counts)
 
 
 async def _not_served(scope: Scope, receive: Receive, send: Send) -> None:

@@ -43,6 +43,8 @@ class Endpoint:
     """JSON schema of the request's body."""
     takes_text: bool = False
     """The body may be plain text instead."""
+    changes: bool = False
+    """It writes or sets something: only for those who may."""
     statuses: Mapping[int, str] = field(default_factory=dict)
     """Further good statuses with what they mean."""
     refusals: tuple[str, ...] = ()

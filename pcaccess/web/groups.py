@@ -74,6 +74,7 @@ class Groups:
                 description="One value per item in the group's order; null leaves its item alone.",
                 body=shapes.an_object({"values": shapes.list_of({"anyOf": [shapes.VALUE, {"type": "null"}]})}),
                 statuses={207: "Some values were not written; see their `error`."},
+                changes=True,
                 refusals=(*name, "bad-request", "unsupported-type", "too-large"),
             ),
             Endpoint("GET", "/api/groups/{name}", self.get, "A group", shapes.named("Group"), refusals=name),
@@ -85,6 +86,7 @@ class Groups:
                 shapes.named("Group"),
                 description="Until the next start; the project file stays as it is.",
                 body=shapes.named("Settings"),
+                changes=True,
                 refusals=(*name, "bad-request", "unsupported-type"),
             ),
             Endpoint(

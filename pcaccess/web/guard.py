@@ -2,18 +2,21 @@
 
 A browser would let any page send requests to 127.0.0.1. So the Host header must name this machine (a foreign name
 that resolves to 127.0.0.1 is DNS rebinding), an Origin must be ours, and what the browser itself calls cross-site is
-refused. Answers carry no CORS permission.
+refused. Answers carry no CORS permission. Where the project file opens the server to the network, this machine's names
+there and any address are good hosts too: no page can make an address lead elsewhere.
 
 Source:   RFC 9110 (Host, 421), RFC 6454 (Origin), W3C Fetch Metadata (Sec-Fetch-Site).
 """
 
 from __future__ import annotations
 
+import socket
+from functools import cache
 from typing import Final
 
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from pcaccess.project.network import is_loopback
+from pcaccess.project.network import WebClients, is_address, is_loopback
 from pcaccess.web.counts import Counts
 from pcaccess.web.refusals import Refusal
 
@@ -28,8 +31,9 @@ _REMEMBERED: Final = 64
 class Guard:
     """Stands before the application; refuses what must not come in."""
 
-    def __init__(self, app: ASGIApp, counts: Counts) -> None:
+    def __init__(self, app: ASGIApp, clients: WebClients, counts: Counts) -> None:
         self._app = app
+        self._open = clients is not WebClients.THIS_MACHINE
         self._counts = counts
         self._good_hosts: set[bytes] = set()
 
@@ -64,7 +68,8 @@ class Guard:
                 length = value
         if host not in self._good_hosts and not self._is_good_host(host):
             named = host.decode("latin-1") or "nothing"
-            return Refusal("wrong-host", f"the request names the host {named}; use 127.0.0.1 or localhost")
+            names = "an address or the name of this machine" if self._open else "127.0.0.1 or localhost"
+            return Refusal("wrong-host", f"the request names the host {named}; use {names}")
         if origin and origin.lower().partition(b"://")[2] != host.lower():
             return Refusal("cross-site", f"the request comes from a page of {origin.decode('latin-1')}")
         if site and site not in _OWN_SITES and not (mode == b"navigate" and _is_page(scope)):
@@ -79,7 +84,8 @@ class Guard:
             name = host.decode("latin-1")
         elif not port.isdecimal():
             return False
-        good = is_loopback(name.removeprefix("[").removesuffix("]"))
+        plain = name.removeprefix("[").removesuffix("]")
+        good = is_loopback(plain) or (self._open and (is_address(plain) or plain.lower() in _own_names()))
         if good and len(self._good_hosts) < _REMEMBERED:
             self._good_hosts.add(host)
         return good
@@ -87,3 +93,10 @@ class Guard:
 
 def _is_page(scope: Scope) -> bool:
     return scope["type"] == "http" and scope["method"] == "GET" and not scope["path"].startswith(_PAGES)
+
+
+@cache
+def _own_names() -> frozenset[str]:
+    """What this machine is called on the network, as far as it knows without asking others."""
+    name = socket.gethostname().lower()
+    return frozenset({name, f"{name}.local"})

@@ -88,6 +88,7 @@ class Items:
                     }
                 ),
                 statuses={207: "Some values were not written; see their `error`."},
+                changes=True,
                 refusals=("bad-request", "unsupported-type", "too-large"),
             ),
             Endpoint(
@@ -130,6 +131,7 @@ class Items:
                 description='Takes the value as JSON (`21.5`, or `{"value": 21.5}`) or as plain text.',
                 body={"anyOf": [shapes.VALUE, shapes.an_object({"value": shapes.VALUE})]},
                 takes_text=True,
+                changes=True,
                 refusals=(
                     *("bad-request", "unsupported-type", "too-large", "unknown-item"),
                     *(kind for kind, _ in OF_OUTCOME.values()),

@@ -39,7 +39,7 @@ def _operation(endpoint: Endpoint, path: str) -> dict[str, Any]:
     responses: dict[str, Any] = {"200": {"description": endpoint.summary, **good}}
     for status, meaning in endpoint.statuses.items():
         responses[str(status)] = {"description": meaning, **good}
-    for kind in dict.fromkeys((*endpoint.refusals, *ALWAYS)):
+    for kind in dict.fromkeys((*endpoint.refusals, *(("only-reading",) if endpoint.changes else ()), *ALWAYS)):
         number = str(KINDS[kind].status)
         known = responses.get(number)
         title = f"{known['description']}; or {KINDS[kind].title}" if known else KINDS[kind].title

@@ -32,6 +32,7 @@ KINDS: Final[Mapping[str, Kind]] = MappingProxyType(
         "bad-request": Kind(400, "the request says something that cannot be understood"),
         "not-writable": Kind(403, "the item is read-only"),
         "not-readable": Kind(403, "the item is write-only"),
+        "only-reading": Kind(403, "other machines may only read"),
         "cross-site": Kind(403, "a page of another site may not ask"),
         "not-found": Kind(404, "there is nothing at this path"),
         "unknown-item": Kind(404, "there is no such item"),

@@ -16,6 +16,7 @@ from starlette.routing import compile_path
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from pcaccess.clock import Clock
+from pcaccess.project.network import WebClients, is_loopback
 from pcaccess.web.answers import Answer
 from pcaccess.web.counts import Counts
 from pcaccess.web.endpoints import Endpoint
@@ -40,7 +41,10 @@ class _Path:
 class Routes:
     """The endpoints of one gateway. ``other``: the application for everything else."""
 
-    def __init__(self, endpoints: Sequence[Endpoint], clock: Clock, counts: Counts, other: ASGIApp) -> None:
+    def __init__(
+        self, endpoints: Sequence[Endpoint], clients: WebClients, clock: Clock, counts: Counts, other: ASGIApp
+    ) -> None:
+        self._writers = clients is WebClients.WRITERS
         self._clock = clock
         self._counts = counts
         self._other = other
@@ -90,6 +94,9 @@ class Routes:
 
     async def _ask(self, endpoint: Endpoint, request: Request) -> Answer:
         try:
+            if endpoint.changes and not self._writers and not _is_near(request):
+                said = f"the project file says web_clients: {WebClients.READERS.value}"
+                raise Refusal("only-reading", f"{said}; nothing was changed")
             return await endpoint.handler(request)
         except Refusal as refusal:
             return refusal.answer()
@@ -98,3 +105,8 @@ class Routes:
         except Exception:
             log.exception("%s %s failed", endpoint.method, request.url.path)
             return Refusal("internal", "see the gateway's log").answer()
+
+
+def _is_near(request: Request) -> bool:
+    """Whether it comes from this machine."""
+    return request.client is not None and is_loopback(request.client.host)

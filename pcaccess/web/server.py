@@ -16,14 +16,18 @@ from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIO
 from websockets.protocol import State
 
 from pcaccess.gateway.gateway import Gateway
-from pcaccess.project.network import DEFAULT_WEB, NetworkError, check_web
+from pcaccess.project.network import DEFAULT_WEB, NetworkError, check_web, is_loopback
 from pcaccess.web.app import Web, make_web
 from pcaccess.web.guard import MAX_BODY
 from pcaccess.web.sockets import PATIENCE, WIRE
 
+log = logging.getLogger(__name__)
+
 MAX_HEAD: Final = 64 * 1024
 """Bytes of request line and headers; a list of 1,000 item IDs in a query fits."""
 MAX_CONNECTIONS: Final = 256
+EVERYWHERE: Final = "0.0.0.0"
+"""All addresses of this machine."""
 _KEEP_ALIVE: Final = 30
 _GRACE: Final = 2
 """Seconds that a stop waits for answers under way."""
@@ -81,6 +85,7 @@ class WebServer:
 
     def __init__(self, gateway: Gateway, listen: str | None = None, patience: float = PATIENCE) -> None:
         self._listen = listen or gateway.project.server.web or DEFAULT_WEB
+        self._clients = gateway.project.server.web_clients
         self.web: Web = make_web(gateway, patience)
         self._socket: socket.socket | None = None
         config = uvicorn.Config(
@@ -108,7 +113,8 @@ class WebServer:
     @property
     def url(self) -> str:
         """Where clients find it, with the port that was taken."""
-        return f"http://{self._listen.rpartition(':')[0]}:{self.port}"
+        host = self._listen.rpartition(":")[0]
+        return f"http://{socket.gethostname() if host == EVERYWHERE else host}:{self.port}"
 
     async def start(self) -> None:
         """Listen; raises WebError for an address that cannot be used."""
@@ -119,6 +125,8 @@ class WebServer:
         self._server.server_state.default_headers = []
         await self._server.startup(sockets=[listener])
         self._socket = listener
+        if not is_loopback(listener.getsockname()[0]):
+            log.warning("%s is open to the network, without passwords or encryption: %s", self.url, self._clients.value)
         # What uvicorn says of single requests is for its developers.
         logging.getLogger("uvicorn.error").setLevel(logging.ERROR)
 
@@ -128,7 +136,7 @@ class WebServer:
 
     def _bind(self) -> socket.socket:
         try:
-            checked = check_web(self._listen)
+            checked = check_web(self._listen, self._clients)
         except NetworkError as error:
             raise WebError(str(error)) from None
         host, _, port = (checked or DEFAULT_WEB).rpartition(":")

@@ -220,6 +220,18 @@ def test_a_web_server_beyond_this_machine_or_nowhere_is_refused(written: str, co
     assert "127.0.0.1:8080" in line
 
 
+@pytest.mark.parametrize("clients", ["anyone may read", "Anyone may read and write"])
+def test_a_web_server_is_opened_in_words(clients: str) -> None:
+    server = load_text(f"server: {{web: '0.0.0.0:80', web_clients: {clients}}}\nlinks: []").project.server
+    assert (server.web, server.web_clients.value) == ("0.0.0.0:80", clients.lower())
+
+
+def test_words_that_do_not_exist_open_nothing() -> None:
+    first, second = errors("server: {web: '0.0.0.0:80', web_clients: anyone}\nlinks: []")
+    assert "PRJ027" in first
+    assert "there is no 'anyone'" in second
+
+
 # -- files ---------------------------------------------------------------------------------------------------------
 
 

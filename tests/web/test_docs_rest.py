@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 from pcaccess.project.load import load_text
+from pcaccess.project.network import WebClients
 from pcaccess.web.refusals import KINDS
 from tests.web.conftest import Serve, Served, message, tell
 
@@ -59,7 +60,8 @@ async def test_the_websocket_says_what_is_shown(start_web: Serve) -> None:
 
 
 def test_the_project_text_is_one() -> None:
-    text, _ = examples("yaml")
+    text, opened, _ = examples("yaml")
     assert load_text(text).project.server.web == "127.0.0.1:8081"
     off = re.sub(r"^  web: .*\n# ", "  ", text, flags=re.MULTILINE)
     assert load_text(off).project.server.web is None
+    assert load_text(opened).project.server.web_clients is WebClients.READERS
