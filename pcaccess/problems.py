@@ -127,10 +127,17 @@ class ProblemError(Exception):
 
 
 def nearest_word(word: str, words: Iterable[str]) -> str | None:
-    """The most similar of ``words``, without regard to case; None when nothing is close."""
+    """The word that was probably meant, without regard to case; None when nothing is close."""
+    return next(iter(nearest_words(word, words, 1)), None)
+
+
+def nearest_words(word: str, words: Iterable[str], most: int) -> list[str]:
+    """Those of ``words`` that were probably meant, the likeliest first: longer ones, then similar ones."""
     by_folded = {w.casefold(): w for w in words}
-    close = difflib.get_close_matches(word.casefold(), by_folded, n=1, cutoff=0.6)
-    return by_folded[close[0]] if close else None
+    folded = word.casefold()
+    longer = sorted((w for w in by_folded if len(folded) > 1 and w.startswith(folded)), key=len)
+    close = difflib.get_close_matches(folded, by_folded, most, cutoff=0.6)
+    return [by_folded[w] for w in dict.fromkeys((*longer, *close))][:most]
 
 
 def render(problem: Problem, text: str | None = None) -> str:

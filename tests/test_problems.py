@@ -100,7 +100,8 @@ def test_programs_get_everything_as_json() -> None:
 
 
 @pytest.mark.parametrize(
-    ("word", "nearest"), [("adress", "address"), ("ADRESS", "address"), ("tpye", "type"), ("xyz", None), ("", None)]
+    ("word", "nearest"),
+    [("adress", "address"), ("ADRESS", "address"), ("tpye", "type"), ("addr", "address"), ("xyz", None), ("", None)],
 )
 def test_the_nearest_word_is_close_or_none(word: str, nearest: str | None) -> None:
     assert nearest_word(word, ["address", "type", "name"]) == nearest

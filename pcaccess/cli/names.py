@@ -6,7 +6,6 @@ An item ID or run-time name in any case, a NodeId text, a branch (every item bel
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -19,6 +18,7 @@ from asyncua.ua.status_codes import StatusCodes
 
 from pcaccess.cli.remote import Child, Remote, status_text
 from pcaccess.cli.values import TYPES
+from pcaccess.problems import nearest_words
 
 NEAREST: Final = 3
 """So many names are suggested."""
@@ -207,7 +207,7 @@ async def nearest(remote: Remote, name: str) -> list[str]:
         here = leaves[parts.pop(0)].NodeId
     if not parts:
         return []
-    close = [leaves[leaf] for leaf in difflib.get_close_matches(parts[0], leaves, NEAREST)]
+    close = [leaves[leaf] for leaf in nearest_words(parts[0], leaves, NEAREST)]
     if len(parts) == 1 and close:
         return [remote.name(child.NodeId) for child in close]
     longer = [".".join([remote.name(child.NodeId), *parts[1:]]) for child in close]
@@ -226,5 +226,5 @@ async def _anywhere(remote: Remote, node: ua.NodeId, last: str) -> list[str]:
     leaves: dict[str, list[str]] = {}
     for _, child in await walk(remote, node, at_most=SEARCHED):
         leaves.setdefault(str(child.BrowseName.Name).casefold(), []).append(remote.name(child.NodeId))
-    close = difflib.get_close_matches(last, leaves, NEAREST)
+    close = nearest_words(last, leaves, NEAREST)
     return [name for leaf in close for name in leaves[leaf]][:NEAREST]

@@ -107,6 +107,14 @@ def test_a_signal_stops_it_in_order(folder: Path, number: int) -> None:
     ]
 
 
+def test_a_web_server_open_to_the_network_needs_the_words_in_the_project_file(folder: Path) -> None:
+    process = Process(folder, "run", "--endpoint", ANY_PORT[1], "--web", "0.0.0.0:0")
+    code, out, err = process.end()
+    assert (code, out) == (1, "")
+    assert "say so in the project file: server: web_clients: anyone may read" in err
+    assert "Traceback" not in err
+
+
 def test_clients_are_told_when_it_stops(folder: Path) -> None:
     process = Process(folder, "run", *ANY_PORT, "--json")
     url = json.loads(process.line())["url"]

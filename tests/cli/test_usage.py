@@ -41,7 +41,6 @@ def test_every_command_has_help(command: str) -> None:
         ("run", "--endpoint", "localhost:4840"),
         ("run", "--log-level", "loud"),
         ("run", "--web", "8080"),
-        ("run", "--web", "0.0.0.0:8080"),
         ("write",),
         ("write", "A.B.C"),
         ("write", "A.B.C", "1", "D.E.F"),
