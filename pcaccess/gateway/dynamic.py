@@ -12,13 +12,12 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
 from pcaccess.gateway.station import Station
 from pcaccess.items.ticks import TICKS_PER_SECOND
-from pcaccess.problems import Span
-from pcaccess.project.model import Access, Item
+from pcaccess.project.model import Access, Item, Traits
 from pcaccess.project.names import RunTimeName, RunTimeNameError, Stations, parse_run_time_name
 from pcaccess.s7200.address import Address, AddressError
 from pcaccess.s7200.memory import locate
@@ -32,7 +31,6 @@ log = logging.getLogger(__name__)
 _LONGEST_SWEEP: Final = 30.0
 """Seconds between looks for idle items, or a tenth of the idle time if that is less."""
 _MOST_TOLD: Final = 1000
-_NOWHERE: Final = Span("(client)", 1, 1)
 
 
 @dataclass(slots=True)
@@ -164,21 +162,18 @@ class DynamicNames:
             self._warn(text, f"is not made: there are already {settings.max} dynamic items")
             return None
         low, high = _limits(name)
-        item = Item(
-            item_id="",
-            name=text,
+        traits = Traits(
             station=station.plc.station,
-            address=address,
             data_type=name.served_type,
             raw_type=name.served_type,
             access=access,
-            span=_NOWHERE,
             length=MAX_STRING if name.served_type is DataType.STRING else 0,
             low=low,
             high=high,
             write_limits=station.plc.write_limits,
         )
-        item = item.with_id(item.run_time_name)
+        item = Item("", address, traits)
+        item = replace(item, item_id=item.run_time_name)
         row = self._gateway.add_items(station, [item])[0]
         self._gateway.table.add_alias(text, row)
         self._used[row] = self._gateway.now()

@@ -170,7 +170,7 @@ class PlcBuilder:
         for item, item_node in zip(source.items, children(node, "items"), strict=True):
             span = self._tree.value_span(item_node, "name")
             item_id = self._ids.take(item.name, parent, span, is_item=True) if parent is not None else ""
-            made = self._item(item, item_node, maker, item_id or "", span)
+            made = self._item(item, item_node, maker, item_id or "")
             if made is not None and item_id:
                 draft.items.append(made)
         for folder, folder_node in zip(source.folders, children(node, "folders"), strict=True):
@@ -181,7 +181,7 @@ class PlcBuilder:
                 draft.folders[folder.name.casefold()] = inner
         return draft
 
-    def _item(self, source: AnyItem, node: Node, maker: ItemMaker, item_id: str, span: Span) -> Item | None:
+    def _item(self, source: AnyItem, node: Node, maker: ItemMaker, item_id: str) -> Item | None:
         text = ItemText(
             source.name,
             source.address,  # type: ignore[attr-defined]  # every kind of item has one
@@ -198,7 +198,7 @@ class PlcBuilder:
             if source.scaling:
                 line = source.scaling
                 text.scaling = Scaling(line.raw[0], line.raw[1], line.scaled[0], line.scaled[1], line.clamp)
-        return maker.make(text, item_id, span, self._context.where(node), self._broken(node))
+        return maker.make(text, item_id, self._context.where(node), self._broken(node))
 
     def _broken(self, node: Node) -> Container[str]:
         if not self._context.taken_out:
@@ -219,7 +219,7 @@ class PlcBuilder:
                 continue
             draft, folder_id = folder
             item_id = self._ids.take(row.text.name, folder_id, row.span, is_item=True)
-            item = maker.make(row.text, item_id or "", row.span, row.where)
+            item = maker.make(row.text, item_id or "", row.where)
             if item is not None and item_id:
                 draft.items.append(item)
         return path

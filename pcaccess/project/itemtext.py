@@ -12,7 +12,7 @@ from typing import Final
 
 from pcaccess.problems import Span, nearest_word
 from pcaccess.project.access import ACCESS_NAMES, Access
-from pcaccess.project.model import Item, LinkType, Scaling, WriteLimits
+from pcaccess.project.model import Item, LinkType, Scaling, Traits, WriteLimits
 from pcaccess.project.problems import Findings
 from pcaccess.project.sim import WaveError, parse_wave
 from pcaccess.s7200.address import Address, AddressError, Area, Width, parse_address
@@ -129,11 +129,10 @@ class ItemMaker:
         self._write_limits = write_limits
         self._findings = findings
         self._runs_program = runs_program
-        self._floats: dict[float, float] = {}
         self._texts: dict[str, str] = {}
-        self._scalings: dict[Scaling, Scaling] = {}
+        self._known: dict[tuple[object, ...], Traits] = {}
 
-    def make(self, text: ItemText, item_id: str, span: Span, where: Where, broken: Container[str] = ()) -> Item | None:
+    def make(self, text: ItemText, item_id: str, where: Where, broken: Container[str] = ()) -> Item | None:
         """``broken``: keys already reported and taken out, so that their absence is no mistake."""
         before = self._findings.errors
         if self._link is LinkType.SIM:
@@ -150,25 +149,34 @@ class ItemMaker:
         if limits and place.data_type in (DataType.BOOL, DataType.STRING):
             self._report("PRJ025", where("high"), f"high and low belong to numbers; this is {place.data_type.name}")
             return None
-        scaling = self._scalings.setdefault(text.scaling, text.scaling) if text.scaling else None
+        description = self._texts.setdefault(text.description, text.description)
+        return Item(item_id, place.address, self._traits(text, place, access, limits, write_limits), description)
+
+    def _traits(
+        self,
+        text: ItemText,
+        place: _Place,
+        access: Access,
+        limits: tuple[float, float] | None,
+        write_limits: WriteLimits,
+    ) -> Traits:
+        """Those that an item made before has, if it is of the same sort."""
         low, high = limits or (None, None)
-        return Item(
-            item_id=item_id,
-            name=text.name,
-            station=self._station,
-            address=place.address,
-            data_type=place.data_type,
-            raw_type=place.raw_type,
-            access=access,
-            span=span,
-            length=place.length,
-            low=low,
-            high=high,
-            unit=self._texts.setdefault(text.unit, text.unit),
-            description=self._texts.setdefault(text.description, text.description),
-            scaling=scaling,
-            write_limits=write_limits,
+        sort = (
+            place.data_type,
+            place.raw_type,
+            access,
+            place.length,
+            low,
+            high,
+            text.unit,
+            text.scaling,
+            write_limits,
         )
+        known = self._known.get(sort)
+        if known is None:
+            known = self._known[sort] = Traits(self._station, *sort)
+        return known
 
     def _report(self, code: str, span: Span, message: str, expected: str = "") -> None:
         self._findings.report(code, span, message, expected=expected)
@@ -313,7 +321,7 @@ class ItemMaker:
         if low > high:
             self._report("PRJ021", where("high"), f"high {high:g} is below low {low:g}; taken the other way round")
             low, high = high, low
-        return self._floats.setdefault(low, low), self._floats.setdefault(high, high)
+        return low, high
 
     def _limited_writes(self, text: ItemText, where: Where, limits: tuple[float, float] | None) -> WriteLimits | None:
         if text.write_limits is None:

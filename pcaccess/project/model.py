@@ -1,7 +1,7 @@
 """The project as the rest of the program sees it: typed, checked, immutable.
 
 ``pcaccess.project.load`` makes these objects; whoever holds one need not check it again. An item is small
-(about 500 bytes with its texts), because a project may have 100,000 of them: whatever items of one PLC have in
+(about 150 bytes with its ID), because a project may have 100,000 of them: whatever items of one PLC have in
 common they share, and the run-time name is made when somebody asks.
 
 Units:    durations in seconds, dead bands in percent of the engineering range, lengths in characters.
@@ -11,7 +11,7 @@ Source:   docs/items-yaml.md has every key as a user writes it.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from enum import Enum
 from pathlib import Path
 from typing import Final
@@ -41,6 +41,7 @@ __all__ = [
     "Scaling",
     "SerialLine",
     "Server",
+    "Traits",
     "WriteLimits",
     "limit_text",
 ]
@@ -109,40 +110,86 @@ class Scaling:
 
 
 @dataclass(frozen=True, slots=True)
-class Item:
-    """One value that clients can see."""
+class Traits:
+    """What many items of a PLC have in common; they share one of these."""
 
-    item_id: str
-    """``Link.PLC.Folder.Item`` as written; compare it casefolded."""
-    name: str
     station: str
-    """What stands before the address in the run-time name, shared by all items of a PLC."""
-    address: Address | str
-    """Already ``as_type(raw_type)``, array count included; a text on sim and opcua links."""
+    """What stands before the address in the run-time name."""
     data_type: DataType
     """Type that clients see; REAL when scaled."""
     raw_type: DataType
     """Type in the PLC's memory."""
     access: Access
-    span: Span = field(compare=False)
     length: int = 0
     """Characters a STRING has room for; 0 for other types."""
     low: float | None = None
     high: float | None = None
     """Engineering range, ``low`` < ``high``; both are None or neither is."""
     unit: str = ""
-    description: str = ""
     scaling: Scaling | None = None
     write_limits: WriteLimits = WriteLimits.NONE
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """One value that clients can see. Where it stands in its file is not kept: nobody asks once it is checked."""
+
+    item_id: str
+    """``Link.PLC.Folder.Item`` as written, or a run-time name; compare it casefolded."""
+    address: Address | str
+    """Already ``as_type(raw_type)``, array count included; a text on sim and opcua links."""
+    traits: Traits
+    description: str = ""
+
+    @property
+    def name(self) -> str:
+        """What stands last in the ID; a run-time name is whole."""
+        return self.item_id if "," in self.item_id else self.item_id.rpartition(".")[2]
 
     @property
     def count(self) -> int:
         """Elements of an array item, 1 for a single value."""
         return self.address.count if isinstance(self.address, Address) else 1
 
-    def with_id(self, item_id: str) -> Item:
-        """The same item under another ID."""
-        return replace(self, item_id=item_id)
+    @property
+    def station(self) -> str:
+        return self.traits.station
+
+    @property
+    def data_type(self) -> DataType:
+        return self.traits.data_type
+
+    @property
+    def raw_type(self) -> DataType:
+        return self.traits.raw_type
+
+    @property
+    def access(self) -> Access:
+        return self.traits.access
+
+    @property
+    def length(self) -> int:
+        return self.traits.length
+
+    @property
+    def low(self) -> float | None:
+        return self.traits.low
+
+    @property
+    def high(self) -> float | None:
+        return self.traits.high
+
+    @property
+    def unit(self) -> str:
+        return self.traits.unit
+
+    @property
+    def scaling(self) -> Scaling | None:
+        return self.traits.scaling
+
+    @property
+    def write_limits(self) -> WriteLimits:
+        return self.traits.write_limits
 
     @property
     def run_time_name(self) -> str:

@@ -166,3 +166,12 @@ def test_a_timer_served_as_bool_is_its_bit() -> None:
 def test_a_simulated_constant_can_be_written_and_a_wave_cannot() -> None:
     assert load("address: CONST(5)", "sim").access is Access.RW
     assert load("address: TOGGLE(1s)", "sim").access is Access.R
+
+
+def test_items_of_a_sort_share_what_they_have_in_common() -> None:
+    both = "address: VW0, low: 0, high: 5, unit: bar, scaling: {raw: [0, 10], scaled: [0, 5]}"
+    rest = f"{{name: B, {both}}}, {{name: C, address: VW0}}"
+    a, b, c = load_text(text(f"{both}}}, {rest[:-1]}")).project.all_items()
+    assert a.traits is b.traits
+    assert (a.low, a.high, a.unit, a.data_type, a.raw_type) == (0, 5, "bar", DataType.REAL, DataType.INT)
+    assert (c.low, c.unit, c.data_type, c.scaling) == (None, "", DataType.INT, None)

@@ -49,7 +49,7 @@ def test_a_row_becomes_an_item_in_the_folders_of_its_name(tmp_path: Path) -> Non
         "°C",
         "Oven, left",
     )
-    assert (Path(found.span.file).name, found.span.line, found.span.column) == ("tags.csv", 2, 1)
+    assert found.name == "Temp"
 
 
 @pytest.mark.parametrize(
@@ -212,4 +212,4 @@ def test_an_item_costs_little(tmp_path: Path) -> None:
     bytes_per_item = tracemalloc.get_traced_memory()[0] / count
     tracemalloc.stop()
     assert sum(1 for _ in loaded.project.all_items()) == count
-    assert bytes_per_item < 700
+    assert bytes_per_item < 300

@@ -125,7 +125,7 @@ def _usable(item: DraftItem, draft: Draft) -> bool:
     findings = Findings()
     cpu = cpu_model(DEFAULT_CPU)
     maker = ItemMaker(LinkType.SOFT, "", cpu, WriteLimits.NONE, findings, runs_program=True)
-    made = maker.make(text, "", item.span, lambda _: item.span)
+    made = maker.make(text, "", lambda _: item.span)
     if made is None:
         errors = [problem for problem in findings.problems if problem.is_error]
         said = "; ".join(problem.message for problem in errors)
