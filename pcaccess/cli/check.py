@@ -13,6 +13,7 @@ from pcaccess.cli.endpoint import PROJECT_FILE
 from pcaccess.cli.options import AsJson, MaxSize
 from pcaccess.cli.output import counted, json_list, show, show_problems, write_file
 from pcaccess.cli.projects import content_of, load_all
+from pcaccess.cli.streams import put
 
 if TYPE_CHECKING:
     from pcaccess.problems import Problem
@@ -86,6 +87,6 @@ def schema(
 
     text = json.dumps(project_schema(), indent=2, ensure_ascii=False)
     if output is None:
-        print(text)
+        put(f"{text}\n")
     else:
         write_file(output, f"{text}\n")

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from pcaccess.cli.options import AsJson, Url, duration, server_url
-from pcaccess.cli.output import complain, console, json_list, show, show_table
+from pcaccess.cli.output import complain, json_list, note, show, show_table
+from pcaccess.cli.streams import stdout_console
 
 if TYPE_CHECKING:
     from pcaccess.cli.watching import View
@@ -47,7 +48,8 @@ def read(
 ) -> None:
     """Read items: value, time stamp and quality.
 
-    A sample of bad quality is an answer (exit code 0); an item that gives none makes the exit code 1.
+    A sample of bad quality is an answer (exit code 0); an item that gives none makes the exit code 1. Of a branch
+    or pattern what can be read is read; items that can only be written are named and are no failure.
     """
     from pcaccess.cli.reading import read as run
     from pcaccess.cli.samples import COLUMNS
@@ -57,7 +59,11 @@ def read(
         json_list([answer.as_json() for answer in answers])
     elif samples := [answer.sample.as_row() for answer in answers if answer.error is None]:
         show_table(COLUMNS, samples)
-    _exit_for([answer.error for answer in answers if answer.error is not None])
+    for answer in answers:
+        if answer.error is not None:
+            (complain if answer.is_failure else note)(answer.error)
+    if any(answer.is_failure for answer in answers):
+        raise typer.Exit(1)
 
 
 def write(
@@ -80,7 +86,11 @@ def write(
         for result in results:
             if result.error is None:
                 show(result.text)
-    _exit_for([result.error for result in results if result.error is not None])
+    errors = [result.error for result in results if result.error is not None]
+    for error in errors:
+        complain(error)
+    if errors:
+        raise typer.Exit(1)
 
 
 def watch(
@@ -106,23 +116,17 @@ def watch(
 
     server = server_url(url)
     wanted = Wanted(items or (), group, duration(interval), count, duration(period))
-    errors: list[str] = []
+    failures: list[str] = []
     with ExitStack() as stack, suppress(KeyboardInterrupt):
         view: View
         if as_json:
             view = JsonLines()
-        elif (out := console()).is_terminal:
+        elif (out := stdout_console()).is_terminal:
             view = stack.enter_context(LiveTable(server, out))
         else:
             view = PlainLines()
-        errors = asyncio.run(run(server, wanted, view, SystemClock()))
-    _exit_for(errors)
-
-
-def _exit_for(errors: Sequence[str]) -> None:
-    for error in errors:
-        complain(error)
-    if errors:
+        asyncio.run(run(server, wanted, view, SystemClock(), failures))
+    if failures:
         raise typer.Exit(1)
 
 

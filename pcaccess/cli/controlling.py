@@ -11,9 +11,10 @@ from asyncua.ua.object_ids import ObjectIds
 from asyncua.ua.status_codes import StatusCodes
 
 from pcaccess.cli.failures import Failed
-from pcaccess.cli.names import Target, Unknown, content, resolve
+from pcaccess.cli.names import content
 from pcaccess.cli.output import Cell, Column, Row
 from pcaccess.cli.remote import Remote, connect, status_text
+from pcaccess.problems import nearest_word
 
 STATUS_COLUMNS: Final = (
     Column("PLC"),
@@ -22,6 +23,8 @@ STATUS_COLUMNS: Final = (
     Column("Scan Time", right=True),
     Column("Errors", right=True),
 )
+PLCS_SHOWN: Final = 10
+"""So many are named when a name is not one of them."""
 _STATES: Final = ("Connected", "Mode", "ScanTime", "Errors")
 
 
@@ -67,70 +70,94 @@ async def reload(url: str) -> tuple[bool, str]:
 async def status(url: str, names: Sequence[str]) -> tuple[list[PlcState], list[str]]:
     """The states of PLCs, all without names; and what names led to none."""
     async with connect(url) as remote:
-        if not names:
-            (links,) = await remote.children([remote.roots()])
-            below = await remote.children([link.NodeId for link in links])
-            names = [remote.name(child.NodeId) for children in below for child in children if _is_plc(child)]
+        there = await _plcs(remote)
         states, errors = [], []
-        for found in await resolve(remote, names):
-            if isinstance(found, Unknown):
-                errors.append(found.message)
-                continue
-            state = await _state(remote, found)
-            if state is None:
-                errors.append(f"{found.item_id} is no PLC")
-            else:
-                states.append(state)
+        for name in names or [remote.name(plc) for plc in there]:
+            try:
+                states.append(await _state(remote, _find(remote, name, there)))
+            except NoSuchPlc as failed:
+                errors.append(str(failed))
         return states, errors
+
+
+async def _state(remote: Remote, plc: ua.NodeId) -> PlcState:
+    nodes = [node for name in _STATES if (node := remote.belonging(plc, name)) is not None]
+    connected, mode, scan_time, errors = map(content, await remote.read_values(nodes))
+    return PlcState(remote.name(plc), bool(connected), str(mode), float(scan_time or 0), int(errors or 0))
+
+
+async def switch(url: str, plc: str, method: str) -> tuple[str, str]:
+    """Call ``Run`` or ``Stop`` of a PLC; its name as written, and the mode it is in then."""
+    async with connect(url) as remote:
+        node = _find(remote, plc, await _plcs(remote))
+        await _call_plc(remote, node, method)
+        state = await _state(remote, node)
+        return state.item_id, state.mode
+
+
+async def download(url: str, plc: str, name: str, program: bytes) -> tuple[str, bool, list[str]]:
+    """Give a PLC a program: the PLC's name as written, whether it was taken, and what is wrong with it."""
+    async with connect(url) as remote:
+        node = _find(remote, plc, await _plcs(remote))
+        arguments = (ua.Variant(name, ua.VariantType.String), ua.Variant(program, ua.VariantType.ByteString))
+        accepted, problems = await _call_plc(remote, node, "Download", *arguments)
+        return remote.name(node), bool(accepted), list(problems or [])
+
+
+class NoSuchPlc(Failed):
+    """The name is not that of a PLC."""
+
+
+async def _plcs(remote: Remote) -> list[ua.NodeId]:
+    """Every PLC of the server, in its order."""
+    if remote.items is None:
+        raise Failed(f"{remote.url} is not pcaccess and has no PLCs")
+    (links,) = await remote.children([remote.roots()])
+    below = await remote.children([link.NodeId for link in links])
+    return [child.NodeId for children in below for child in children if _is_plc(child)]
 
 
 def _is_plc(child: ua.ReferenceDescription) -> bool:
     return bool(child.TypeDefinition.Identifier == ObjectIds.BaseObjectType)
 
 
-async def _state(remote: Remote, plc: Target) -> PlcState | None:
-    nodes = [node for name in _STATES if (node := remote.belonging(plc.node, name)) is not None]
-    values = [content(value) for value in await remote.read_values(nodes)]
-    if len(values) < len(_STATES) or values[0] is None:
-        return None
-    connected, mode, scan_time, errors = values
-    return PlcState(plc.item_id, bool(connected), str(mode), float(scan_time or 0), int(errors or 0))
+def _find(remote: Remote, name: str, plcs: Sequence[ua.NodeId]) -> ua.NodeId:
+    """The PLC of that name, in any case, or NodeId; raises NoSuchPlc."""
+    by_name = {remote.name(plc).casefold(): plc for plc in plcs}
+    wanted = remote.node(name)
+    found = by_name.get(remote.name(wanted).casefold()) if wanted is not None else None
+    if found is not None:
+        return found
+    names = [remote.name(plc) for plc in plcs]
+    near = _meant(name, names)
+    guess = f"; did you mean {near}?" if near else ""
+    raise NoSuchPlc(f"there is no PLC {name}; {_there(names)}{guess}")
 
 
-async def switch(url: str, plc: str, method: str) -> tuple[str, str]:
-    """Call ``Run`` or ``Stop`` of a PLC; its name as written, and the mode it is in then."""
-    async with connect(url) as remote:
-        target = await _plc(remote, plc)
-        await _call_plc(remote, target, method)
-        state = await _state(remote, target)
-        return target.item_id, state.mode if state is not None else "UNKNOWN"
+def _meant(name: str, plcs: Sequence[str]) -> str | None:
+    """The PLC of an item, or one with a name like it, with its link or without."""
+    folded = name.casefold()
+    of_item = next((plc for plc in plcs if folded.startswith(f"{plc.casefold()}.")), None)
+    leaves = {plc.rpartition(".")[2]: plc for plc in plcs}
+    return of_item or nearest_word(name, plcs) or leaves.get(nearest_word(name.rpartition(".")[2], leaves) or "")
 
 
-async def download(url: str, plc: str, name: str, program: bytes) -> tuple[str, bool, list[str]]:
-    """Give a PLC a program: the PLC's name as written, whether it was taken, and what is wrong with it."""
-    async with connect(url) as remote:
-        target = await _plc(remote, plc)
-        arguments = (ua.Variant(name, ua.VariantType.String), ua.Variant(program, ua.VariantType.ByteString))
-        accepted, problems = await _call_plc(remote, target, "Download", *arguments)
-        return target.item_id, bool(accepted), list(problems or [])
+def _there(plcs: Sequence[str]) -> str:
+    if not plcs:
+        return "the project has none"
+    shown = ", ".join(plcs[:PLCS_SHOWN])
+    more = f" and {len(plcs) - PLCS_SHOWN} more" if len(plcs) > PLCS_SHOWN else ""
+    return f"there {'is' if len(plcs) == 1 else 'are'} {shown}{more}"
 
 
-async def _plc(remote: Remote, name: str) -> Target:
-    (found,) = await resolve(remote, [name])
-    if isinstance(found, Unknown):
-        raise Failed(found.message)
-    return found
-
-
-async def _call_plc(remote: Remote, plc: Target, method: str, *arguments: ua.Variant) -> list[Any]:
-    place = remote.belonging(plc.node, method)
-    if place is None:
-        raise Failed(f"{plc.item_id} is no PLC of pcaccess")
+async def _call_plc(remote: Remote, plc: ua.NodeId, method: str, *arguments: ua.Variant) -> list[Any]:
+    place = remote.belonging(plc, method)
+    assert place is not None, "found on a server of ours"
     try:
-        return await _call(remote, plc.node, place, *arguments)
+        return await _call(remote, plc, place, *arguments)
     except MethodFailed as failed:
         if failed.status in _NO_METHOD:
-            raise Failed(f"{plc.item_id} runs no program; only a soft-PLC with a program: does that") from None
+            raise Failed(f"{remote.name(plc)} runs no program; only a soft-PLC with a program: does that") from None
         raise
 
 

@@ -13,6 +13,7 @@ from pcaccess.cli.failures import Failed
 from pcaccess.cli.options import AsJson, MaxSize, known_encoding
 from pcaccess.cli.output import counted, json_line, note, show, show_problems, working, write_file
 from pcaccess.cli.projects import load
+from pcaccess.cli.streams import put
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -76,7 +77,7 @@ def import_(
     content = {"plcs": result.counts.plcs, "folders": result.counts.folders, "items": result.counts.items}
     left_out = result.counts.left_out
     if output is None:
-        typer.echo(result.yaml_text, nl=False)
+        put(result.yaml_text)
     else:
         write_file(output, result.yaml_text)
     if as_json:
@@ -110,7 +111,7 @@ def export(
         table = export_tags(one, ours=ours)
         target = output / f"{one.item_id}.csv" if output is not None and many else output
         if target is None:
-            typer.echo(table.text, nl=False)
+            put(table.text)
         else:
             write_file(target, table.text)
             show(f"{target}: {counted({'items': table.items}, 'items') or 'no items'}", meaning="good")

@@ -1,7 +1,8 @@
 """The ``pcaccess`` command: its parts, and what every part does with mistakes.
 
-Exit codes: 0 good, 1 the thing asked for failed, 2 used wrongly, 130 interrupted. A user's mistake is a message, never
-a traceback. Modules that take time to import are imported by the command that needs them.
+Exit codes: 0 good, 1 the thing asked for failed, 2 used wrongly, 130 interrupted, 141 nobody reads the output any
+more. A user's mistake is a message, never a traceback. Modules that take time to import are imported by the command
+that needs them.
 """
 
 from __future__ import annotations
@@ -16,29 +17,33 @@ from pcaccess import __version__
 from pcaccess.cli import check, client, control, exchange, plc, run
 from pcaccess.cli.failures import Failed
 from pcaccess.cli.output import complain, show_problems
+from pcaccess.cli.streams import NO_READER, NoReader, finish, prepare, put
 from pcaccess.problems import ProblemError
 
 
 class Commands(TyperGroup):
     """Turns what commands raise into messages and exit codes."""
 
-    def invoke(self, ctx: Any) -> Any:
+    def main(self, *args: Any, **extra: Any) -> Any:
         try:
-            return super().invoke(ctx)
+            try:
+                return super().main(*args, **extra)
+            except SystemExit:
+                finish()
+                raise
+        except NoReader:
+            sys.exit(NO_READER)
         except Failed as failed:
             for line in str(failed).splitlines():
                 complain(line)
-            raise typer.Exit(1) from None
         except ProblemError as error:
             show_problems(error.problems, stderr=True)
-            raise typer.Exit(1) from None
-        except KeyboardInterrupt:
-            raise typer.Exit(130) from None
+        sys.exit(1)
 
 
 def _version(wanted: bool) -> None:
     if wanted:
-        print(f"pcaccess {__version__}")
+        put(f"pcaccess {__version__}\n")
         raise typer.Exit
 
 
@@ -67,9 +72,5 @@ app.add_typer(plc.app, name="plc")
 
 def main() -> None:
     """Entry point of the console script."""
-    for stream in (sys.stdout, sys.stderr):
-        # A terminal that cannot show a sign (Windows: °, …) shows its number instead of a traceback.
-        reconfigure = getattr(stream, "reconfigure", None)
-        if reconfigure is not None:
-            reconfigure(errors="backslashreplace")
+    prepare()
     app(prog_name="pcaccess")

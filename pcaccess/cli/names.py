@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fnmatch import translate
 from typing import Any, Final
 
@@ -39,6 +39,8 @@ class Target:
     type: int = 0
     """OPC UA built-in type, 0 for others."""
     is_array: bool = False
+    is_named: bool = True
+    """Somebody asked for it; false: it came with a branch or pattern."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,26 +101,39 @@ def built_in(data_type: ua.NodeId | None) -> int:
 
 
 async def expand(remote: Remote, names: Sequence[str]) -> list[Found]:
-    """The items that names, branches and patterns stand for, each once, in order."""
+    """The items that names, branches and patterns stand for, in order.
+
+    A name is answered as often as it stands there; what came already does not come again with a branch or pattern.
+    """
     plain = [name for name in names if not is_pattern(name)]
     resolved = dict(zip(plain, await resolve(remote, plain), strict=True))
     found: list[Found] = []
+    known: set[ua.NodeId] = set()
     for name in names:
         one = resolved.get(name)
         if one is None:
-            found += await _matching(remote, name)
+            some = await _matching(remote, name)
         elif isinstance(one, Target) and not one.is_item:
-            below = await items_below(remote, one.node)
-            found += below or [Unknown(name, StatusCodes.BadNoData, f"there are no items in {one.item_id}")]
+            some = await items_below(remote, one.node)
+            some = some or [Unknown(name, StatusCodes.BadNoData, f"there are no items in {one.item_id}")]
         else:
-            found.append(one)
-    return list({(f.item_id if isinstance(f, Target) else f.name): f for f in found}.values())
+            some = [one]
+        fresh = [f for f in some if not isinstance(f, Target) or f.is_named or f.node not in known]
+        known.update(f.node for f in fresh if isinstance(f, Target))
+        found += fresh
+    return found
 
 
 async def items_below(remote: Remote, node: ua.NodeId) -> list[Found]:
     """Every item below a node, branch by branch in the server's order."""
     below = await walk(remote, node)
-    return await resolve(remote, [remote.name(c.NodeId) for _, c in below if c.NodeClass == ua.NodeClass.Variable])
+    return await _unnamed(remote, [remote.name(c.NodeId) for _, c in below if c.NodeClass == ua.NodeClass.Variable])
+
+
+async def _unnamed(remote: Remote, names: Sequence[str]) -> list[Found]:
+    """Items that a branch or pattern led to."""
+    found = await resolve(remote, names)
+    return [replace(one, is_named=False) if isinstance(one, Target) else one for one in found]
 
 
 def is_pattern(name: str) -> bool:
@@ -140,7 +155,7 @@ async def _matching(remote: Remote, pattern: str) -> list[Found]:
     matching = [name for name in names if wanted.match(name)]
     if not matching:
         return [Unknown(pattern, StatusCodes.BadNoData, f"no item matches {pattern}")]
-    return await resolve(remote, matching)
+    return await _unnamed(remote, matching)
 
 
 async def walk(

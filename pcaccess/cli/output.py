@@ -7,7 +7,6 @@ that a pipe or a file never holds half an item ID.
 from __future__ import annotations
 
 import json
-import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
@@ -16,11 +15,11 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from rich.cells import cell_len
-from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 from pcaccess.cli.failures import Failed
+from pcaccess.cli.streams import best_effort, put, put_now, stderr_console, stdout_console, writing
 from pcaccess.problems import Problem, Span, render_line
 from pcaccess.project.textfile import TextError, decode_table, read_bytes
 
@@ -47,43 +46,41 @@ class Cell:
 Row = Sequence[str | Cell]
 
 
-def console() -> Console:
-    """Of standard output as it is now."""
-    return Console(highlight=False, soft_wrap=True)
-
-
 def show(text: str = "", *, meaning: str = "") -> None:
     """A line for people on standard output."""
-    console().print(Text(text, STYLES.get(meaning, meaning)))
+    with writing():
+        stdout_console().print(Text(text, STYLES.get(meaning, meaning)))
 
 
 def complain(text: str) -> None:
     """A line for people on standard error."""
-    stderr = Console(stderr=True, highlight=False, soft_wrap=True)
-    stderr.print(Text.assemble(("pcaccess: ", "bold red"), text))
+    with best_effort():
+        stderr_console().print(Text.assemble(("pcaccess: ", "bold red"), text))
 
 
 def note(text: str) -> None:
     """A remark for people on standard error, so that standard output stays what was asked for."""
-    Console(stderr=True, highlight=False, soft_wrap=True).print(Text(text, "dim"))
+    with best_effort():
+        stderr_console().print(Text(text, "dim"))
 
 
 @contextmanager
 def working(text: str) -> Iterator[None]:
     """Says on a terminal what takes its time, and is gone afterwards."""
-    stderr = Console(stderr=True)
+    stderr = stderr_console()
     with stderr.status(text) if stderr.is_terminal else nullcontext():
         yield
 
 
 def show_table(columns: Sequence[Column], rows: Sequence[Row]) -> None:
     """Rows below their titles."""
-    out = console()
+    out = stdout_console()
     if out.is_terminal:
-        out.print(rich_table(columns, rows))
+        with writing():
+            out.print(rich_table(columns, rows))
         return
     for line in plain_table(columns, rows):
-        print(line)
+        put(f"{line}\n")
 
 
 def rich_table(columns: Sequence[Column], rows: Iterable[Row]) -> Table:
@@ -138,14 +135,15 @@ def show_problems(problems: Iterable[Problem], *, stderr: bool, texts: Mapping[s
 
     ``texts``: files that are known already, decoded.
     """
-    out = Console(stderr=stderr, highlight=False, soft_wrap=True)
+    out = stderr_console() if stderr else stdout_console()
     sources = _Sources(texts or {})
-    for problem in problems:
-        line = sources.line(problem.span)
-        head, *rest = (str(problem) if line is None else render_line(problem, line)).splitlines()
-        out.print(Text(head, "bold red" if problem.is_error else "bold yellow"))
-        for line in rest:
-            out.print(Text(line))
+    with best_effort() if stderr else writing():
+        for problem in problems:
+            line = sources.line(problem.span)
+            head, *rest = (str(problem) if line is None else render_line(problem, line)).splitlines()
+            out.print(Text(head, "bold red" if problem.is_error else "bold yellow"))
+            for line in rest:
+                out.print(Text(line))
 
 
 class _Sources:
@@ -169,14 +167,13 @@ class _Sources:
 
 def json_line(value: object) -> None:
     """One JSON value on one line, at once."""
-    sys.stdout.write(_json(value) + "\n")
-    sys.stdout.flush()
+    put_now(f"{_json(value)}\n")
 
 
 def json_list(values: Sequence[Mapping[str, Any]]) -> None:
     """A JSON list with one object per line."""
     body = ",\n".join(_json(value) for value in values)
-    sys.stdout.write(f"[\n{body}\n]\n" if values else "[]\n")
+    put(f"[\n{body}\n]\n" if values else "[]\n")
 
 
 def _json(value: object) -> str:

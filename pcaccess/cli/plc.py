@@ -12,7 +12,8 @@ import typer
 from pcaccess.cli import control
 from pcaccess.cli.failures import Failed
 from pcaccess.cli.options import AsJson, duration, known_encoding
-from pcaccess.cli.output import console, counted, json_list, note, show, show_problems, write_file
+from pcaccess.cli.output import counted, json_list, note, show, show_problems, write_file
+from pcaccess.cli.streams import put, stdout_console
 
 if TYPE_CHECKING:
     from pcaccess.cli.scanning import View
@@ -74,7 +75,7 @@ def list_(
     show_problems(checked.problems, stderr=True, texts={checked.file: checked.text})
     text = list_program(program, references=references)
     if output is None:
-        typer.echo(text, nl=False)
+        put(text)
         return
     if output.exists() and output.samefile(file):
         raise Failed(f"{output} is the program itself; write the listing to another file")
@@ -167,7 +168,7 @@ def run(
         view: View
         if as_json:
             view = ScanJson()
-        elif (out := console()).is_terminal:
+        elif (out := stdout_console()).is_terminal:
             title = f"{file} on a {model.name} ({scanner.cpu.executor_name})"
             view = stack.enter_context(ScanTable(title, places, out))
         else:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from asyncua import ua
+from asyncua.ua.status_codes import StatusCodes
 
 from pcaccess.cli.names import Found, Target, Unknown, content, expand, status_of
 from pcaccess.cli.remote import Remote, connect, status_name, status_text
@@ -23,6 +24,8 @@ class Answer:
 
     sample: Shown
     error: str | None = None
+    is_failure: bool = False
+    """An item that can only be written is none where nobody named it: it came with its branch."""
 
     def as_json(self) -> dict[str, Any]:
         return self.sample.as_json() | ({} if self.error is None else {"error": self.error})
@@ -53,13 +56,14 @@ async def read_qualities(remote: Remote, targets: Sequence[Target]) -> list[int 
 def answer(target: Target, value: ua.DataValue, quality: int | None) -> Answer:
     sample = shown(target, value, quality)
     if sample.value is None and sample.status & 0xFFFF0000 not in _OF_SAMPLES:
-        return Answer(sample, f"{target.item_id}: {status_text(sample.status)}")
+        is_failure = target.is_named or not is_write_only(sample.status)
+        return Answer(sample, f"{target.item_id}: {status_text(sample.status)}", is_failure)
     return Answer(sample)
 
 
 def unknown(name: Unknown) -> Answer:
     quality = derived_quality(name.status)
-    return Answer(Shown(name.name, None, 0, quality, name.status, status_name(name.status), None), name.message)
+    return Answer(Shown(name.name, None, 0, quality, name.status, status_name(name.status), None), name.message, True)
 
 
 def shown(target: Target, value: ua.DataValue, quality: int | None = None) -> Shown:
@@ -75,6 +79,11 @@ def shown(target: Target, value: ua.DataValue, quality: int | None = None) -> Sh
         status_name(status),
         value.SourceTimestamp,
     )
+
+
+def is_write_only(status: int) -> bool:
+    """Whether the server says that the item can only be written."""
+    return status & 0xFFFF0000 == StatusCodes.BadNotReadable
 
 
 def needs_quality(value: ua.DataValue) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from contextlib import suppress
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
@@ -15,6 +16,7 @@ from pcaccess.cli.failures import Failed
 from pcaccess.cli.options import AsJson, MaxSize, check_listen, check_url
 from pcaccess.cli.output import counted, json_line, note, show, show_problems
 from pcaccess.cli.projects import content_of, load_all
+from pcaccess.cli.streams import NoReader
 
 if TYPE_CHECKING:
     from pcaccess.cli.serving import Addresses
@@ -75,12 +77,13 @@ def _serve(
     def ready(addresses: Addresses) -> None:
         settle()
         content = content_of(loaded.project)
-        warnings = len(loaded.warnings) + len(programs.warnings)
-        if as_json:
-            places = {"url": addresses.opcua, "web": addresses.web}
-            json_line({**places, "project": loaded.project.name, **content, "warnings": warnings})
-        else:
-            _announce(addresses, loaded, content)
+        with suppress(NoReader, Failed):  # the clients are what matters, not who reads this
+            if as_json:
+                places = {"url": addresses.opcua, "web": addresses.web}
+                warnings = len(loaded.warnings) + len(programs.warnings)
+                json_line({**places, "project": loaded.project.name, **content, "warnings": warnings})
+            else:
+                _announce(addresses, loaded, content)
         if addresses.why_no_web:
             note(f"no web server: {addresses.why_no_web}")
 

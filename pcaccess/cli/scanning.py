@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import TracebackType
@@ -14,6 +13,7 @@ from rich.live import Live
 from rich.text import Text
 
 from pcaccess.cli.output import GAP, Cell, Column, Row, counted, json_line, note, rich_table
+from pcaccess.cli.streams import put_now
 from pcaccess.cli.values import json_value, value_text
 from pcaccess.clock import Clock
 from pcaccess.items.varianttypes import VARIANT_TYPES
@@ -214,8 +214,7 @@ class ScanLines:
     def _write(self, at: str, address: str, symbol: str, value: str) -> None:
         when, wide, wider = self._widths
         names = f"{address:<{wide}}{GAP}{symbol:<{wider}}{GAP}" if wider > 0 else f"{address:<{wide}}{GAP}"
-        sys.stdout.write(f"{at:>{when}}{GAP}{names}{value}\n")
-        sys.stdout.flush()
+        put_now(f"{at:>{when}}{GAP}{names}{value}\n")
 
     def show(self, at: float, changes: Sequence[tuple[Place, Value]], status: Status) -> None:
         for place, value in changes:

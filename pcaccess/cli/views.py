@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from types import TracebackType
 from typing import Final
@@ -11,14 +10,19 @@ from rich.console import Console, Group
 from rich.live import Live
 from rich.text import Text
 
-from pcaccess.cli.output import GAP, Row, as_cell, json_line, note, rich_table
+from pcaccess.cli.output import GAP, Row, as_cell, complain, json_line, note, rich_table
 from pcaccess.cli.samples import COLUMNS, Shown
+from pcaccess.cli.streams import put_now
 from pcaccess.project.durations import format_duration
 
 REFRESH: Final = 10.0
 """Paintings per second of the live table, at most."""
 VALUE_WIDTH: Final = 12
 """Columns for a value in plain lines; longer ones move the rest of their line."""
+
+
+def _tell_left_out(why: str, is_failure: bool) -> None:
+    (complain if is_failure else note)(why)
 
 
 class JsonLines:
@@ -34,6 +38,9 @@ class JsonLines:
     def remark(self, text: str) -> None:
         if text:
             note(text)
+
+    def left_out(self, why: str, *, is_failure: bool) -> None:
+        _tell_left_out(why, is_failure)
 
 
 class PlainLines:
@@ -54,13 +61,15 @@ class PlainLines:
             self._line([as_cell(cell).text for cell in sample.as_row()])
 
     def _line(self, cells: Sequence[str]) -> None:
-        sys.stdout.write(GAP.join(f"{cell:<{width}}" for cell, width in zip(cells, self._widths, strict=True)).rstrip())
-        sys.stdout.write("\n")
-        sys.stdout.flush()
+        line = GAP.join(f"{cell:<{width}}" for cell, width in zip(cells, self._widths, strict=True))
+        put_now(f"{line.rstrip()}\n")
 
     def remark(self, text: str) -> None:
         if text:
             note(text)
+
+    def left_out(self, why: str, *, is_failure: bool) -> None:
+        _tell_left_out(why, is_failure)
 
 
 class LiveTable:
@@ -92,6 +101,10 @@ class LiveTable:
 
     def remark(self, text: str) -> None:
         self._trouble = text
+
+    def left_out(self, why: str, *, is_failure: bool) -> None:
+        """Stands above the table."""
+        _tell_left_out(why, is_failure)
 
     def _painted(self) -> Group:
         room = max(1, self._console.height - 4)

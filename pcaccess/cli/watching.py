@@ -15,7 +15,7 @@ from asyncua.ua.attribute_ids import AttributeIds
 
 from pcaccess.cli.failures import Failed
 from pcaccess.cli.names import Found, Target, Unknown, content, expand, items_below, resolve
-from pcaccess.cli.reading import needs_quality, read_qualities, shown
+from pcaccess.cli.reading import is_write_only, needs_quality, read_qualities, shown
 from pcaccess.cli.remote import Change, Lost, Remote, connect, status_name, status_text
 from pcaccess.cli.samples import Shown
 from pcaccess.clock import Clock
@@ -53,12 +53,13 @@ class View(Protocol):
     def remark(self, text: str) -> None:
         """Something about the connection; an empty text: it is well again."""
 
+    def left_out(self, why: str, *, is_failure: bool) -> None:
+        """An item that is not watched; no failure when nobody named it and it can only be written."""
 
-async def watch(url: str, wanted: Wanted, view: View, clock: Clock) -> list[str]:
-    """Show changes until enough were seen; what could not be watched, in words."""
-    watcher = _Watcher(url, wanted, view, clock)
-    await watcher.run()
-    return watcher.errors
+
+async def watch(url: str, wanted: Wanted, view: View, clock: Clock, failures: list[str]) -> None:
+    """Show changes until enough were seen. ``failures`` gets what cannot be watched, in words, once it is known."""
+    await _Watcher(url, wanted, view, clock, failures).run()
 
 
 @dataclass(slots=True)
@@ -67,7 +68,9 @@ class _Watcher:
     wanted: Wanted
     view: View
     clock: Clock
-    errors: list[str] = field(default_factory=list)
+    failures: list[str]
+    _told: set[str] = field(default_factory=set)
+    """Why items are left out: said once, however often the server comes back."""
     _last: dict[str, Shown] = field(default_factory=dict)
     _seen: int = 0
     _begun: bool = False
@@ -99,14 +102,16 @@ class _Watcher:
         targets, interval = await self._targets(remote)
         first, self._begun = not self._begun, True
         self.view.remark("")
-        self.view.begin([target.item_id for target in targets], interval)
         statuses = await remote.subscribe([target.node for target in targets], interval)
+        good = [target.item_id for target, status in zip(targets, statuses, strict=True) if not status]
+        self.view.begin(good, interval)
         if first and self.wanted.duration is not None:  # not before: thousands of items take their time
             limit.reschedule(asyncio.get_running_loop().time() + self.wanted.duration)
         for target, status in zip(targets, statuses, strict=True):
             if status:
-                self._error(f"{target.item_id}: {status_text(status)}")
-        if all(statuses):
+                is_failure = target.is_named or not is_write_only(status)
+                self._left_out(f"{target.item_id}: {status_text(status)}", is_failure=is_failure)
+        if not good:
             return
         while not self._enough:
             self._show(await self._samples(remote, targets, await remote.changes()))
@@ -150,17 +155,21 @@ class _Watcher:
             found += await expand(remote, self.wanted.names)
         elif self.wanted.group is None:
             found += await items_below(remote, remote.roots())
-        for one in found:
-            if isinstance(one, Unknown):
-                self._error(one.message)
-        targets = [one for one in found if isinstance(one, Target)]
+        unknown = [one.message for one in found if isinstance(one, Unknown)]
+        targets = list({one.node: one for one in found if isinstance(one, Target)}.values())
         if not targets:
-            raise Failed("\n".join(self.errors) or f"{remote.url} serves no items")
+            raise Failed("\n".join(unknown) or f"{remote.url} serves no items")
+        for message in unknown:
+            self._left_out(message)
         return targets, INTERVAL if interval is None else interval
 
-    def _error(self, message: str) -> None:
-        if message not in self.errors:
-            self.errors.append(message)
+    def _left_out(self, why: str, *, is_failure: bool = True) -> None:
+        if why in self._told:
+            return
+        self._told.add(why)
+        if is_failure:
+            self.failures.append(why)
+        self.view.left_out(why, is_failure=is_failure)
 
 
 async def _group(remote: Remote, name: str) -> tuple[list[Found], float | None]:

@@ -153,6 +153,32 @@ async def test_read_takes_branches_patterns_and_run_time_names(client: Command) 
     assert await ids(f"ns=2;s={PLC}.Motor") == [f"{PLC}.Motor"]
 
 
+async def test_an_item_is_answered_as_often_as_it_is_named(client: Command) -> None:
+    async def ids(*names: str) -> list[str]:
+        return [line.split()[0] for line in (await client("read", *names)).lines[1:]]
+
+    motor, counter = f"{PLC}.Motor", f"{PLC}.USR1.COUNTER_1"
+    assert await ids(motor, motor.upper(), "2,Q0.0,BOOL,RW") == [motor] * 3
+    assert await ids(f"{PLC}.USR1", counter) == [counter] * 2
+    assert await ids(counter, f"{PLC}.USR1", "*COUNTER*") == [counter]
+
+
+@pytest.mark.parametrize("name", [PLC, f"{PLC}.*", "*"])
+async def test_of_a_branch_what_can_be_read_is_read(client: Command, name: str) -> None:
+    outcome = await client("read", name)
+    told = f"{PLC}.Command: BadNotReadable: the item can only be written\n"
+    assert (outcome.code, outcome.err) == (0, told)
+    assert [f"{PLC}.Motor" in outcome.out, f"{PLC}.Command" in outcome.out] == [True, False]
+    command = next(o for o in json.loads((await client("read", name, "--json")).out) if o["id"] == f"{PLC}.Command")
+    assert (command["value"], command["error"]) == (None, told.strip())
+
+
+async def test_an_item_that_can_only_be_written_fails_where_it_is_named(client: Command) -> None:
+    outcome = await client("read", PLC, f"{PLC}.Command")
+    assert outcome.code == 1
+    assert outcome.err.splitlines()[-1] == f"pcaccess: {PLC}.Command: BadNotReadable: the item can only be written"
+
+
 async def test_one_unknown_item_does_not_stop_the_others(client: Command) -> None:
     outcome = await client("read", f"{PLC}.Temprature", f"{PLC}.Motor")
     assert outcome.code == 1

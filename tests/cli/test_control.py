@@ -65,8 +65,8 @@ async def test_status_of_what_is_no_plc_is_told(command: Command) -> None:
         {"id": "L.Memory", "connected": True, "mode": "STOP", "scan_time": 0.0, "errors": 0}
     ]
     assert outcome.err.splitlines() == [
-        "pcaccess: L.Runs.In is no PLC",
-        "pcaccess: there is no item L.Rums; did you mean L.Runs?",
+        "pcaccess: there is no PLC L.Runs.In; there are L.Runs, L.Memory; did you mean L.Runs?",
+        "pcaccess: there is no PLC L.Rums; there are L.Runs, L.Memory; did you mean L.Runs?",
     ]
 
 
@@ -76,12 +76,19 @@ async def test_a_plc_is_stopped_and_started(command: Command) -> None:
 
 
 @pytest.mark.parametrize(
-    ("plc", "words"), [("L.Memory", "runs no program"), ("L.Nowhere", "there is no item L.Nowhere")]
+    ("plc", "words"),
+    [
+        ("L.Memory", "L.Memory runs no program; only a soft-PLC with a program: does that"),
+        ("L.Xyz", "there is no PLC L.Xyz; there are L.Runs, L.Memory"),
+        ("L", "there is no PLC L; there are L.Runs, L.Memory"),
+        ("L.Runs.In", "there is no PLC L.Runs.In; there are L.Runs, L.Memory; did you mean L.Runs?"),
+        ("memory", "there is no PLC memory; there are L.Runs, L.Memory; did you mean L.Memory?"),
+    ],
 )
 async def test_what_has_no_cpu_cannot_be_started(command: Command, plc: str, words: str) -> None:
-    outcome = await command("plc", "start", plc)
-    assert (outcome.code, outcome.out) == (1, "")
-    assert words in outcome.err
+    for command_line in (("start", plc), ("stop", plc), ("download", str(__file__), "--plc", plc)):
+        outcome = await command("plc", *command_line)
+        assert (outcome.code, outcome.out, outcome.err) == (1, "", f"pcaccess: {words}\n")
 
 
 async def test_a_program_is_downloaded_and_runs(command: Command, served: tuple[Path, str]) -> None:

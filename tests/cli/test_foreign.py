@@ -81,19 +81,14 @@ async def test_a_branch_and_a_pattern_are_watched(client: Command) -> None:
         (("read", "ns=2;s=Nothing"), "there is no item ns=2;s=Nothing"),
         (("watch", "--group", "Fast"), "is not pcaccess and has no groups"),
         (("reload",), "is not pcaccess"),
-        (("plc", "start", "ns=2;s=Plant"), "ns=2;s=Plant is no PLC of pcaccess"),
+        (("plc", "start", "ns=2;s=Plant"), "is not pcaccess and has no PLCs"),
+        (("plc", "status"), "is not pcaccess and has no PLCs"),
     ],
 )
 async def test_what_only_pcaccess_has_is_told(client: Command, arguments: tuple[str, ...], words: str) -> None:
     outcome = await client(*arguments)
     assert (outcome.code, outcome.out) == (1, "")
     assert words in outcome.err
-
-
-async def test_plc_status_shows_none(client: Command) -> None:
-    assert (await client("plc", "status", "--json")).out == "[]\n"
-
-
 async def test_what_is_no_opc_ua_server_is_told() -> None:
     async def hang_up(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         writer.close()

@@ -33,6 +33,7 @@ class Seen:
         self.items: list[str] = []
         self.interval = 0.0
         self.remarks: list[str] = []
+        self.missing: list[tuple[str, bool]] = []
         self._samples: asyncio.Queue[Shown] = asyncio.Queue()
 
     def begin(self, items: Sequence[str], interval: float) -> None:
@@ -44,6 +45,9 @@ class Seen:
 
     def remark(self, text: str) -> None:
         self.remarks.append(text)
+
+    def left_out(self, why: str, *, is_failure: bool) -> None:
+        self.missing.append((why, is_failure))
 
     async def next(self) -> tuple[str, object, int]:
         sample = await asyncio.wait_for(self._samples.get(), PATIENCE)
@@ -111,7 +115,7 @@ async def test_a_table_too_long_for_the_screen_says_so() -> None:
 async def test_changes_come_as_they_happen(plant: RunningGateway) -> None:
     seen = Seen()
     async with asyncio.TaskGroup() as tasks, plant.client() as script:
-        watching = tasks.create_task(watch(plant.url, Wanted([f"{PLC}.Level"]), seen, SystemClock()))
+        watching = tasks.create_task(watch(plant.url, Wanted([f"{PLC}.Level"]), seen, SystemClock(), []))
         assert (await seen.next())[0] == f"{PLC}.Level"
         await script.write(f"{PLC}.Level", 1.5, ua.VariantType.Float)
         assert await seen.next() == (f"{PLC}.Level", 1.5, 192)
@@ -124,14 +128,39 @@ async def test_changes_come_as_they_happen(plant: RunningGateway) -> None:
 
 async def test_everything_is_watched_when_nothing_is_named(plant: RunningGateway) -> None:
     seen = Seen()
-    errors = await watch(plant.url, Wanted(count=10), seen, SystemClock())
+    failures: list[str] = []
+    await watch(plant.url, Wanted(count=10), seen, SystemClock(), failures)
     assert f"{PLC}.USR1.COUNTER_1" in seen.items
-    assert errors == [f"{PLC}.Command: BadNotReadable: the item can only be written"]
+    assert f"{PLC}.Command" not in seen.items
+    assert seen.missing == [(f"{PLC}.Command: BadNotReadable: the item can only be written", False)]
+    assert failures == []
+
+
+async def test_an_item_in_a_group_and_named_is_watched_once(plant: RunningGateway) -> None:
+    seen = Seen()
+    await watch(plant.url, Wanted([f"{PLC}.Motor", PLC.lower()], group="Fast", count=1), seen, SystemClock(), [])
+    assert seen.items.count(f"{PLC}.Motor") == 1
+    assert len(seen.items) == len(set(seen.items)) == 8
+
+
+async def test_what_cannot_be_watched_is_told_while_the_rest_is(plant: RunningGateway) -> None:
+    """Ctrl-C ends watching as a rule: what is told only at the end would never be."""
+    seen = Seen()
+    failures: list[str] = []
+    wanted = Wanted([f"{PLC}.Motor", f"{PLC}.Command", f"{PLC}.Nothing"])
+    async with asyncio.TaskGroup() as tasks:
+        watching = tasks.create_task(watch(plant.url, wanted, seen, SystemClock(), failures))
+        assert (await seen.next())[0] == f"{PLC}.Motor"
+        watching.cancel()
+    assert [is_failure for _, is_failure in seen.missing] == [True, True]
+    assert [why for why, _ in seen.missing] == failures
+    assert failures[0].startswith(f"there is no item {PLC}.Nothing")
+    assert failures[1] == f"{PLC}.Command: BadNotReadable: the item can only be written"
 
 
 async def test_a_group_is_watched_at_its_rate(plant: RunningGateway) -> None:
     seen = Seen()
-    await watch(plant.url, Wanted(group="fast", count=1), seen, SystemClock())
+    await watch(plant.url, Wanted(group="fast", count=1), seen, SystemClock(), [])
     assert (seen.items, seen.interval) == ([f"{PLC}.Motor", f"{PLC}.Level"], 0.25)
 
 
@@ -166,7 +195,7 @@ async def test_a_lost_server_shows_as_comm_failure_and_comes_back() -> None:
     async with AsyncExitStack() as stack:
         tasks = await stack.enter_async_context(asyncio.TaskGroup())
         first = await stack.enter_async_context(start_gateway(PLANT))
-        watching = tasks.create_task(watch(first.url, Wanted([f"{PLC}.Motor"]), seen, NoWaiting()))
+        watching = tasks.create_task(watch(first.url, Wanted([f"{PLC}.Motor"]), seen, NoWaiting(), []))
         assert await seen.next() == (f"{PLC}.Motor", False, 192)
         await first.server.stop()
         assert await seen.next() == (f"{PLC}.Motor", False, Quality.COMM_FAILURE.code)
