@@ -89,6 +89,8 @@ async def test_what_only_pcaccess_has_is_told(client: Command, arguments: tuple[
     outcome = await client(*arguments)
     assert (outcome.code, outcome.out) == (1, "")
     assert words in outcome.err
+
+
 async def test_what_is_no_opc_ua_server_is_told() -> None:
     async def hang_up(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         writer.close()
