@@ -8,7 +8,7 @@ BENCHES := $(filter-out bench/_%,$(wildcard bench/*.py))
 .DEFAULT_GOAL := help
 
 .NOTPARALLEL:
-.PHONY: help run test check unit fuzz bench format clean
+.PHONY: help run test check unit fuzz mutants bench format clean
 
 help: ## list these targets
 	@grep -E '^[a-z]+:.*##' Makefile | sed -E 's/^([a-z]+):.*## /  make \1\t/' | expand -t 16
@@ -36,6 +36,10 @@ unit: ## the tests alone (WORKERS=0 runs them in one process)
 fuzz: ## mutated programs against the STL reader for a minute (SECONDS=3600 for longer)
 	@tools/setup.sh test
 	$(PY) tools/fuzz_reader.py --seconds $(SECONDS)
+
+mutants: ## seeded faults in what executes programs: does a test catch each? (ONLY=name for one)
+	@tools/setup.sh test
+	$(PY) tools/mutants.py $(addprefix --only ,$(ONLY))
 
 bench: ## every benchmark of bench/, with its targets
 	@tools/setup.sh test

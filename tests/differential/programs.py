@@ -112,7 +112,7 @@ class _Writer:
         lines = [self._one_of(COMMON if self.chance(2) else LOADS)]
         for _ in range(self.number(0, 2)):
             if depth and self.chance(4):
-                lines += [*self.condition(depth - 1), str(self.pick(("ALD", "OLD")))]
+                lines += [*self.condition(depth - 1), *self.maybe_box(), str(self.pick(("ALD", "OLD")))]
             else:
                 lines.append(self._one_of(CONTACTS))
         return lines
@@ -132,14 +132,20 @@ class _Writer:
                 lines.append(self.instruction(GENERIC["="]))
         return lines
 
+    def maybe_box(self) -> list[str]:
+        return [self._one_of(BOXES)] if self.chance(4) else []
+
+    def maybe_contact(self) -> list[str]:
+        return [self._one_of(CONTACTS)] if self.chance(2) else []
+
     def rung(self) -> list[str]:
         """One network without program control."""
         kind = self.number(0, 7)
         if kind == 0:
             lines = [*self.condition(), "LPS", *self.outputs()]
             for _ in range(self.number(0, 2)):
-                lines += ["LRD", self._one_of(CONTACTS), *self.outputs()]
-            return [*lines, "LPP", self._one_of(CONTACTS), *self.outputs()]
+                lines += ["LRD", *self.maybe_contact(), *self.outputs()]
+            return [*lines, "LPP", *self.maybe_contact(), *self.outputs()]
         if kind == 1:
             definition = self.pick([c for c in COILS if c.stack.needs > 1])
             assert isinstance(definition, Definition)

@@ -179,6 +179,16 @@ def test_the_cpu_says_which_it_is() -> None:
     assert Cpu(cpu_model("CPU 226")).read(parse_address("SMB6"), BYTE) == 0b1001_0000
 
 
+def test_the_logic_stack_can_be_seen_when_the_program_has_ended(bench: MakeBench) -> None:
+    """Bit n is level n; LPP, ALD and OLD let a 0 in at the bottom."""
+    full = bench("LDN I0.0\n" * 9)
+    full.scan()
+    popped = bench("LDN I0.0\n" * 9 + "ALD\n")
+    popped.scan()
+    words = [cpu.memory[layout.LOGIC_STACK : layout.LOGIC_STACK + 2].hex() for cpu in (full.cpu, popped.cpu)]
+    assert words == ["01ff", "00ff"]
+
+
 def test_the_watchdog_ends_an_endless_loop_and_says_so(bench: MakeBench) -> None:
     plc = bench("LBL 1\nLD SM0.0\nINCW VW0\nLD SM0.0\nJMP 1\n", loop_budget=100)
     plc.scan()

@@ -121,6 +121,7 @@ def edge(b: Routine, rising: bool) -> None:
 )
 def both(b: Routine, op: str) -> None:
     """Combine the two top levels of the logic stack into one."""
+    b.close_power()  # LPS, LRD and LPP compute nothing and may stand between boxes; this does
     first = b.pop()
     b.set_top(b.binary(op, b.top, first))
 
