@@ -254,6 +254,16 @@ def test_without_load_timed_events_run_at_the_border_of_scans(bench: MakeBench) 
     assert [plc.word(a) for a in ("VW2", "VW4", "VW0")] == [2, 2, 2]
 
 
+def test_an_event_that_waits_runs_at_the_end_of_a_loops_round(bench: MakeBench) -> None:
+    """All in one network: interrupts are switched on in the loop's first round."""
+    loop = "LD SM0.0\nFOR VW2, 1, 3\nLD SM0.0\nENI\nNEXT\nDISI\n"
+    plc = bench(INPUTS.format(event=0).replace("ENI\n", loop).replace("INCW VW0", "MOVW VW2, VW0"))
+    plc.scan()
+    plc.cpu.set_inputs(b"\x01")
+    plc.scan(after=10)
+    assert plc.word("VW0") == 2
+
+
 def test_a_1_ms_timer_counts_within_a_scan(bench: MakeBench) -> None:
     plc = bench("NETWORK 1\nLD SM0.0\nTON T32, 5\nNETWORK 2\nLD T32\n= Q0.0\nNETWORK 3\nLD T32\n= Q0.1\n")
     plc.scan(load=9)

@@ -105,7 +105,7 @@ LOWERING: Final = (
         _ROUTINE,
         "        self.emit(ir.Budget(self.place))\n        self.emit(ir.Poll(-1))",
         "        self.emit(ir.Budget(self.place))",
-        "tests/plc/test_interrupts.py",
+        "tests/plc/test_cpu.py",
     ),
     Fault(
         "segment-runs-while-idle",
@@ -169,15 +169,7 @@ LOWERING: Final = (
         _LOWER,
         "good = self.and_(good, self.ge(address, 0))",
         "good = self.ge(address, 0)",
-        "tests/conformance/test_variants.py -k names_nothing",
-    ),
-    Fault(
-        "pointer-ignores-extent",
-        "of an operand that needs several bytes behind a pointer only the first is checked",
-        _LOWER,
-        "self.check_pointer(pointer, max(size, spec.extent))",
-        "self.check_pointer(pointer, size)",
-        table("ascii"),
+        table("moves"),
     ),
     Fault(
         "contact-uses-bad-pointer",
