@@ -61,6 +61,9 @@ _COUNTED: Final = MappingProxyType(
 )
 """Instructions over N elements: operands that lie N long, and which operand is N."""
 
+_MEANT: Final = MappingProxyType({("SPA", 1): "JMP"})
+"""Instructions with so many operands are another one: SPA is the jump of German programs."""
+
 
 class OperandChecker:
     """Checks the operands of instructions for one CPU model."""
@@ -103,7 +106,8 @@ class OperandChecker:
             self._pou(operand, spec, what)
 
     def _wrong_number(self, instruction: Instruction, definition: Definition) -> None:
-        if any(isinstance(operand, Unresolved) for operand in instruction.operands):
+        meant = _MEANT.get((instruction.mnemonic, len(instruction.operands)))
+        if meant is None and any(isinstance(operand, Unresolved) for operand in instruction.operands):
             return  # what was not understood may have been several operands
         specs = definition.operands
         form = " ".join((instruction.mnemonic, ", ".join(spec.name for spec in specs))).strip()
@@ -111,7 +115,9 @@ class OperandChecker:
         message = f"{instruction.mnemonic} has {count} operand{'' if count == 1 else 's'} here"
         surplus = instruction.operands[len(specs) :]
         span = surplus[0].span if surplus else instruction.span
-        self._problems.add("STL023", span, message, expected=f"{len(specs)}: {form}" if specs else "none")
+        self._problems.add(
+            "STL023", span, message, expected=f"{len(specs)}: {form}" if specs else "none", nearest=meant
+        )
 
     # -- direct addresses
 

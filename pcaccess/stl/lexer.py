@@ -44,10 +44,11 @@ class Statement(NamedTuple):
 _MNEMONIC: Final = re.compile(
     r"""\s*(
         (?:LD|[AO])[BWDRSI]\s*(?:==|<>|><|>=|=>|<=|=<|=|<|>)
-      | [U][BWDRS]\s*(?:==|<>|>=|<=|=|<|>)                      # German compares, explained later
-      | FND\s*(?:==|<>|=|<|>)
+      | (?:LD|[AOU])N?(?:DI|DW|[BWDRSI])\s*(?:==|<>|>=|<=|!=|=|<|>)   # other words for compares, explained later
+      | FND\s*(?:==|<>|>=|<=|=|<|>)
       | =I(?=\s) | =(?!=)
       | [-+*/][IDR](?=\s|$) | [<>=]+[IDR](?=\s|$)               # the second: S7-300 compares, explained later
+      | [-+*/](?:DINT|DI|DWORD|DW|INT|WORD|W|REAL|F)(?=\s)
       | [^\W\d]\w*\(? | \)(?:MCR)?
     )\s*""",
     re.VERBOSE | re.IGNORECASE,

@@ -19,8 +19,9 @@ from pcaccess.problems import Span
 from pcaccess.s7200.address import Address, AddressError, Area, Width, parse_address
 from pcaccess.s7200.types import DataType
 from pcaccess.stl.constants import ConstantError, Number, ascii_value, parse_number, parse_text, string_value
+from pcaccess.stl.definitions import DEFINITIONS
 from pcaccess.stl.headers import parse_block_name
-from pcaccess.stl.lexer import Piece, Statement, Word
+from pcaccess.stl.lexer import Piece, Statement, Word, canonical
 from pcaccess.stl.predefined import PREDEFINED
 from pcaccess.stl.problems import Collector
 from pcaccess.stl.program import (
@@ -112,6 +113,27 @@ class OperandReader:
         return tuple(operands)
 
     # -- blanks
+
+    def cut(self, statement: Statement, *, at_once: bool) -> tuple[Statement, Statement | None]:
+        """The statement up to where another instruction begins on its line, and that one.
+
+        ``at_once``: the instruction has no operands, so that any word behind it may be the next. A word that is an
+        instruction counts as one when it can be nothing else: what stands before it is understood, or what follows.
+        """
+        understood = True
+        for number, piece in enumerate(statement.pieces):
+            at = 0
+            while at < len(piece):
+                size = self._name_at(piece, at)
+                word = canonical(piece[at].text)
+                may_begin = word in DEFINITIONS and (at_once or number or at) and size < 2
+                if may_begin and (size == 0 or (word == "ON" and at and statement.mnemonic != "CALL")):
+                    follows = at + 1 < len(piece) and self._name_at(piece, at + 1) > 0
+                    if understood or follows:
+                        return _cut(statement, number, at)
+                understood = understood and size > 0
+                at += max(1, size)
+        return statement, None
 
     def _words(self, piece: Piece) -> list[Word]:
         """The operands between two commas, each with its blanks."""
@@ -306,6 +328,18 @@ def _with_digits(text: str) -> str | None:
     """The address somebody meant who took O for 0 or l for 1, as scanned listings have it."""
     digits = text[0] + text[1:].upper().replace("O", "0").replace("L", "1").replace("I", "1")
     return digits if digits != text and _address(digits) is not None else None
+
+
+def _cut(statement: Statement, number: int, at: int) -> tuple[Statement, Statement]:
+    """Before and from word ``at`` of piece ``number`` on."""
+    piece = statement.pieces[number]
+    word, rest = piece[at], piece[at + 1 :]
+    first = (*statement.pieces[:number], *([piece[:at]] if at else []))
+    second = (*([rest] if rest else []), *statement.pieces[number + 1 :])
+    return (
+        statement._replace(pieces=first, open_end=False),
+        Statement(canonical(word.text), word.text, word.line, word.column, second, "", (), statement.open_end),
+    )
 
 
 def _variable(variable: Variable, span: Span) -> Operand:

@@ -47,6 +47,7 @@ STL: Final = Register(
         "STL034": Kind("wrong text constant"),
         "STL035": Kind("text behind the instruction was taken for a comment", Severity.WARNING),
         "STL036": Kind("the CPU does not have this"),
+        "STL037": Kind("two instructions on one line"),
         "STL040": Kind("wrong row in the symbol table"),
         "STL041": Kind("a symbol is defined twice"),
         "STL042": Kind("the name cannot be used for a symbol"),

@@ -10,7 +10,7 @@ Errors:   problems in the result; OSError when the file cannot be opened, Lookup
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
@@ -19,7 +19,7 @@ from pcaccess.problems import Problem, ProblemError, Span
 from pcaccess.stl.blocks import RawBlock, RawFile, read_blocks
 from pcaccess.stl.datablock import parse_data_block, read_data_block
 from pcaccess.stl.definitions import DEFINITIONS
-from pcaccess.stl.foreign import GERMAN, LADDER, S7_300, SMART, s7_300_lines
+from pcaccess.stl.foreign import s7_300_lines
 from pcaccess.stl.lexer import Statement
 from pcaccess.stl.operands import OperandReader, longest_name
 from pcaccess.stl.problems import Collector
@@ -37,6 +37,7 @@ from pcaccess.stl.program import (
 )
 from pcaccess.stl.symbols import parse_symbols, read_symbols
 from pcaccess.stl.text import NotText, decode
+from pcaccess.stl.unknown import EXPLAINED, report_unknown
 from pcaccess.stl.variables import read_variables
 
 SYMBOL_SUFFIXES: Final = (".sym", ".SYM")
@@ -98,7 +99,7 @@ def read_program(
         return ReadResult(None, _sorted(problems.problems), decoded.text)
     raw_file = read_blocks(lines, problems, DEFINITIONS)
     statements = [s.mnemonic for block in raw_file.blocks for network in block.networks for s in network.statements]
-    hopeless = bool(statements) and not any(word in DEFINITIONS or word in _EXPLAINED for word in statements)
+    hopeless = bool(statements) and not any(word in DEFINITIONS or word in EXPLAINED for word in statements)
     if hopeless or not raw_file.blocks:
         return ReadResult(None, (_no_program(lines, name, hopeless),), decoded.text)
     further: list[Problem] = []
@@ -229,7 +230,11 @@ def _pou(block: RawBlock, problems: Collector, variables: tuple[Variable, ...], 
     networks = []
     for network in block.networks:
         problems.where = f"{label}, network {network.number}"
-        instructions = tuple(_instruction(statement, operands, problems) for statement in network.statements)
+        instructions = tuple(
+            instruction
+            for statement in network.statements
+            for instruction in _instructions(statement, operands, problems)
+        )
         networks.append(
             Network(
                 network.number,
@@ -253,11 +258,26 @@ def _pou(block: RawBlock, problems: Collector, variables: tuple[Variable, ...], 
     )
 
 
+def _instructions(statement: Statement, operands: OperandReader, problems: Collector) -> Iterator[Instruction]:
+    """One, as a rule; where somebody wrote several on a line, each of them, so that nothing follows from it."""
+    rest: Statement | None = statement
+    while rest is not None:
+        statement, rest = rest, None
+        definition = DEFINITIONS.get(statement.mnemonic)
+        if definition is not None and (any(len(piece) > 1 for piece in statement.pieces) or not definition.operands):
+            statement, rest = operands.cut(statement, at_once=not definition.operands)
+        if rest is not None:
+            span = problems.span(rest.line, rest.column, len(rest.written))
+            message = f"another instruction, {rest.written}, begins here"
+            problems.add("STL037", span, message, expected="one instruction on a line")
+        yield _instruction(statement, operands, problems)
+
+
 def _instruction(statement: Statement, operands: OperandReader, problems: Collector) -> Instruction:
     mnemonic = statement.mnemonic
     span = problems.span(statement.line, statement.column, len(statement.written))
     if mnemonic not in DEFINITIONS:
-        _report_unknown(statement, span, problems)
+        report_unknown(statement, problems)
         words = tuple(
             Unresolved(" ".join(word.text for word in piece), problems.span(piece[0].line, piece[0].column))
             for piece in statement.pieces
@@ -269,38 +289,3 @@ def _instruction(statement: Statement, operands: OperandReader, problems: Collec
         message = f"an operand of {mnemonic} is missing behind the last comma"
         problems.add("STL031", span, message, expected="one operand between two commas")
     return Instruction(mnemonic, found, span, statement.comment, statement.before)
-
-
-_OLD_WORDS: Final = {
-    "RET": "a subroutine returns at its end by itself; CRET returns while the top of the stack is 1",
-    "RETI": "an interrupt routine returns at its end by itself; CRETI returns while the top of the stack is 1",
-}
-_EXPLAINED: Final = frozenset({*GERMAN, *SMART, *S7_300, *LADDER, *_OLD_WORDS})
-
-
-def _report_unknown(statement: Statement, span: Span, problems: Collector) -> None:
-    mnemonic = statement.mnemonic
-    if mnemonic in GERMAN:
-        right = GERMAN[mnemonic]
-        message = f"{statement.written} is the German mnemonic of {right}"
-        expected = "international mnemonics (in Micro/WIN: Tools, Options, General) when the program is exported"
-        problems.add("STL028", span, message, expected=expected, nearest=right)
-    elif mnemonic in SMART:
-        right_smart = SMART[mnemonic]
-        message = f"{mnemonic} is an instruction of the S7-200 SMART; the S7-200 has "
-        problems.add("STL029", span, message + (right_smart or "nothing like it"), nearest=right_smart)
-    elif mnemonic in LADDER:
-        message = f"{mnemonic} is the name of a box in ladder diagrams"
-        problems.add("STL020", span, message, expected="the STL instruction", nearest=LADDER[mnemonic])
-    elif mnemonic in S7_300:
-        message = f"{statement.written} is an instruction of the S7-300"
-        problems.add("STL030", span, message, expected=f"an instruction of the S7-200: {S7_300[mnemonic]}")
-    elif mnemonic in _OLD_WORDS:
-        problems.add("STL020", span, f"{mnemonic} is not written here: {_OLD_WORDS[mnemonic]}")
-    else:
-        shown = statement.written if len(statement.written) <= 40 else f"{statement.written[:37]}..."
-        message = f"there is no instruction {shown!r}"
-        expected = "an S7-200 mnemonic; a comment starts with //"
-        similar = problems.nearest(mnemonic, DEFINITIONS)
-        nearest = similar if similar and similar[0] == mnemonic[0] else None  # "the" is not meant as ATH
-        problems.add("STL020", span, message, expected=expected, nearest=nearest)

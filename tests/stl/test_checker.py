@@ -186,6 +186,13 @@ def test_a_message_names_operand_type_and_the_address_that_would_fit() -> None:
     assert problem.nearest == "VW10"
 
 
+@pytest.mark.parametrize(("line", "codes"), [("SPA 5", ["STL023"]), ("SPA ende", ["STL023", "STL032"])])
+def test_a_german_jump_is_no_port_address(line: str, codes: list[str]) -> None:
+    problems = problems_of(f"LD SM0.0\n{line}")
+    assert [problem.code for problem in problems] == codes
+    assert (problems[0].nearest, problems[0].span.column) == ("JMP", 1)
+
+
 def test_a_smaller_cpu_has_less_memory() -> None:
     assert operand("MOVB VB2048, VB0", "CPU 222") == ["6 STL024"]
     assert operand("MOVW AIW0, VW0", "CPU 221") == ["6 STL024"]

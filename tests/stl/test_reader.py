@@ -10,7 +10,7 @@ from pcaccess.problems import ProblemError
 from pcaccess.s7200.address import parse_address
 from pcaccess.s7200.types import DataType
 from pcaccess.stl.checker import load_program
-from pcaccess.stl.program import Direct, Indirect, Pou, PouKind, Program
+from pcaccess.stl.program import Constant, Direct, Indirect, Instruction, Pou, PouKind, Program
 from pcaccess.stl.reader import ReadResult, read_program
 
 DATA = Path(__file__).parent.parent / "data" / "stl"
@@ -192,6 +192,86 @@ def test_single_foreign_words_in_an_s7_200_program_are_explained_where_they_stan
         (8, "STL020", None),
         (9, "STL020", "MOVW"),
     ]
+
+
+COMPARES = "LDW=, LDW<>, LDW>, LDW<=, LDW< or LDW>="
+
+
+@pytest.mark.parametrize(
+    ("line", "nearest", "expected"),
+    [
+        # a family of one instruction per type, with the type's other names
+        ("MOVDW VD0, VD4", "MOVD", "MOVB, MOVW, MOVD or MOVR"),
+        ("MOV_REAL VD0, VD4", "MOVR", "MOVB, MOVW, MOVD or MOVR"),
+        ("MOV VW0, VW2", "MOVW", "MOVB, MOVW, MOVD or MOVR"),
+        ("MOVE 5, VB2", "MOVB", "MOVB, MOVW, MOVD or MOVR"),
+        ("ADDD VD0, VD4", "+D", "+I, +D or +R"),
+        ("+DI VD0, VD4", "+D", "+I, +D or +R"),
+        ("ADD VW0, VW2", None, "+I, +D or +R"),
+        ("SHLW VW0, 2", "SLW", "SLB, SLW or SLD"),
+        ("UNDW VW0, VW2", "ANDW", "ANDB, ANDW or ANDD"),
+        # words that mean bits or values
+        ("AND I0.1", "A", "A for bits; ANDB, ANDW or ANDD for values"),
+        ("OR VW0, VW2", "ORW", "ORB, ORW or ORD"),
+        # compares
+        ("LDNW= VW0, 5", "LDW<>", f"the opposite sign, as a compare is not negated: {COMPARES}"),
+        ("LDDI> VD0, 5", "LDD>", "LDD=, LDD<>, LDD>, LDD<=, LDD< or LDD>="),
+        ("LDW VW0 >= 5", "LDW>=", COMPARES),
+        ("LDW != VW0, 5", "LDW<>", COMPARES),
+        ("LDS> VB0, VB10", None, "LDS= or LDS<>"),
+        ("FND VW0, 1, VW2", None, "FND=, FND<>, FND< or FND>"),
+        ("FND>= VW0, 1, VW2", None, "FND=, FND<>, FND< or FND>"),
+        # other makers and IEC 61131-3
+        ("OUT Q0.0", "=", "=, which writes a bit"),
+        ("SET Q0.0", "S", "S with a bit and how many: S Q0.0, 1"),
+        ("MPS", "LPS", "LPS"),
+        ("LDP I0.0", "EU", "EU detects a rising edge of what is loaded before it"),
+        ("JMPC 5", "JMP", "JMP, which jumps while the top of the stack is 1"),
+        # a blank that is missing
+        ("LDNI0.1", "LDN I0.1", "a blank behind the instruction"),
+        ("TONT37, 10", "TON T37", "a blank behind the instruction"),
+    ],
+)
+def test_what_people_write_from_habit_is_known(line: str, nearest: str | None, expected: str) -> None:
+    (problem,) = read(f"LD I0.0\n{line}\n= Q0.0").problems
+    assert (problem.span.line, problem.span.column, problem.code) == (2, 1, "STL020")
+    assert (problem.nearest, problem.expected) == (nearest, expected)
+
+
+@pytest.mark.parametrize("line", ["and then the pump stops", "the pump is on"])
+def test_a_comment_without_its_slashes_is_no_habit(line: str) -> None:
+    (problem,) = read(f"LD I0.0\n{line}\n= Q0.0").problems
+    assert problem.expected == "an S7-200 mnemonic; a comment starts with //"
+
+
+def written(instruction: Instruction) -> str:
+    operands = [o.text if isinstance(o, Constant) else str(o.address) for o in instruction.operands]  # type: ignore[union-attr]
+    return " ".join((instruction.mnemonic, *operands))
+
+
+@pytest.mark.parametrize(
+    ("line", "places", "instructions"),
+    [
+        ("LD I0.0 O I0.1", [9], ["LD I0.0", "O I0.1"]),
+        ("LD I0.0 = Q0.0", [9], ["LD I0.0", "= Q0.0"]),
+        ("LD I0.0 eu = Q0.0", [9, 12], ["LD I0.0", "EU", "= Q0.0"]),
+        ("LD I0.0, O I0.1", [10], ["LD I0.0", "O I0.1"]),
+        ("LD I0.0 ON I0.1", [9], ["LD I0.0", "ON I0.1"]),
+        ("NOT = Q0.0", [5], ["NOT", "= Q0.0"]),
+        ("MOVB 3, VB500 MOVB 4, VB501", [15], ["MOVB 3 VB500", "MOVB 4 VB501"]),
+        ("LD I0.0 LDW>= VW0, 5 // both", [9], ["LD I0.0", "LDW>= VW0 5"]),
+    ],
+)
+def test_each_of_several_instructions_on_a_line_is_read(line: str, places: list[int], instructions: list[str]) -> None:
+    result = read(line)
+    assert codes(result) == [f"1:{column} STL037" for column in places]
+    assert result.program is not None
+    assert list(map(written, result.program.main.networks[0].instructions)) == instructions
+
+
+def test_an_unknown_name_with_an_instruction_in_it_stays_a_name() -> None:
+    (problem,) = read("LD Valve S\n= Q0.0").problems
+    assert (problem.code, problem.message) == ("STL032", "there is no symbol 'Valve S'")
 
 
 def test_two_blocks_of_one_number_or_name_are_reported_and_the_first_stays() -> None:
