@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 
 from pcaccess.plc.cpu import Cpu, Mode
+from pcaccess.plc.peripherals import AbsentPeripherals
 from pcaccess.problems import Span
 from pcaccess.s7200.address import AddressError, parse_address
 from pcaccess.s7200.cpu import cpu_model
@@ -63,6 +64,27 @@ def test_a_write_to_an_input_is_the_terminal(bench: MakeBench) -> None:
     assert plc.bit("Q0.0") == 1
     plc.scan()
     assert plc.bit("Q0.0") == 1
+
+
+class Witness(AbsentPeripherals):
+    """Looks at the output terminals when the program switches the diagnosis LED on."""
+
+    def __init__(self) -> None:
+        self.cpu: Cpu | None = None
+        self.seen = b""
+
+    def diagnosis_led(self, on: bool) -> None:
+        assert self.cpu is not None
+        self.seen = self.cpu.outputs[:2]
+
+
+@pytest.mark.parametrize("instruction", ["=I Q1.0", "SI Q1.0, 1", "BIW 1, QB1"])
+def test_an_immediate_output_is_at_the_terminal_before_the_scan_ends(bench: MakeBench, instruction: str) -> None:
+    witness = Witness()
+    plc = bench(f"LD SM0.0\n= Q0.0\n{instruction}\nDLED 1\n", peripherals=witness)
+    witness.cpu = plc.cpu
+    plc.scan()
+    assert (witness.seen, plc.cpu.outputs[:2]) == (b"\0\1", b"\1\1")
 
 
 def test_a_write_to_memory_is_there_for_the_next_scan(bench: MakeBench) -> None:

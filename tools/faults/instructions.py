@@ -79,7 +79,7 @@ INSTRUCTIONS: Final = (
         f"{_FOLDER}/boolean.py",
         "    b.store_bit(layout.PHYSICAL_OUTPUTS + place.offset, place.bit, value)\n",
         "",
-        table("immediate"),
+        "tests/plc/test_cpu.py -k immediate",
     ),
     Fault(
         "reset-keeps-timer-value",

@@ -25,7 +25,7 @@ LOWERING: Final = (
         _ROUTINE,
         "self._levels = [*self._levels[1:], self.bit(False)]",
         "self._levels = [*self._levels[1:], self._levels[-1]]",
-        table("stack"),
+        "tests/plc/test_cpu.py -k logic_stack",
     ),
     Fault(
         "power-of-another-rung",
