@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import codecs
+from enum import StrEnum
 from typing import Annotated
 
 import typer
@@ -10,6 +11,15 @@ import typer
 from pcaccess.cli.endpoint import default_url
 from pcaccess.project.durations import EXPECTED, DurationError, parse_duration
 from pcaccess.project.network import NetworkError, check_endpoint, parse_web
+
+
+class Execution(StrEnum):
+    """How programs are executed; the results are the same."""
+
+    AUTO = "auto"
+    COMPILED = "compiled"
+    INTERPRETER = "interpreter"
+
 
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON, for programs.")]
 MaxSize = Annotated[

@@ -11,7 +11,7 @@ import typer
 
 from pcaccess.cli import control
 from pcaccess.cli.failures import Failed
-from pcaccess.cli.options import AsJson, duration, known_encoding
+from pcaccess.cli.options import AsJson, Execution, duration, known_encoding
 from pcaccess.cli.output import counted, json_list, note, show, show_problems, write_file
 from pcaccess.cli.streams import put, stdout_console
 
@@ -21,6 +21,13 @@ if TYPE_CHECKING:
 Cpu = Annotated[str, typer.Option("--cpu", metavar="MODEL", help="The CPU that the program is for.")]
 Encoding = Annotated[
     str | None, typer.Option(metavar="NAME", help="Code page of the file; left out: found by looking at it.")
+]
+How = Annotated[
+    Execution,
+    typer.Option(
+        "--execution",
+        help="Machine code or interpreter; the results are the same. auto: machine code, where it is sooner done.",
+    ),
 ]
 DEFAULT_CPU = "CPU 226"
 
@@ -86,12 +93,14 @@ def list_(
 def scenario(
     files: Annotated[list[Path], typer.Argument(help="Scenarios (YAML), each with its program and expectations.")],
     junit: Annotated[Path | None, typer.Option(help="Also write the results as JUnit XML.", metavar="FILE")] = None,
+    execution: How = Execution.AUTO,
     as_json: AsJson = False,
 ) -> None:
     """Test programs: inputs over time, expected outputs, in virtual time.
 
     The exit code is 1 when anything is not as expected, and every difference is told.
     """
+    from pcaccess.cli.execution import Executions
     from pcaccess.cli.scenarios import Played, as_junit, play
 
     def tell(one: Played) -> None:
@@ -104,8 +113,9 @@ def scenario(
                 show(f"  {record}", meaning="uncertain")
 
     played = []
+    executions = Executions(execution)
     for path in files:
-        played.append(play(path))
+        played.append(play(path, executions))
         if not as_json:
             tell(played[-1])
     if as_json:
@@ -136,6 +146,7 @@ def run(
     period: Annotated[str | None, typer.Option("--for", help="End after a time such as 5s.", metavar="TIME")] = None,
     cpu: Cpu = DEFAULT_CPU,
     encoding: Encoding = None,
+    execution: How = Execution.AUTO,
     as_json: AsJson = False,
 ) -> None:
     """Scan a program in real time and show chosen places of its memory.
@@ -143,11 +154,11 @@ def run(
     On a terminal they stand in one table, live; else every change is a line. Ctrl-C ends it. To let clients in, name
     the program in a project file (program:) and use pcaccess run.
     """
+    from pcaccess.cli.execution import Executions
     from pcaccess.cli.programs import check as check_one
     from pcaccess.cli.programs import model_of
     from pcaccess.cli.scanning import ScanJson, ScanLines, Scanner, ScanTable, parse_place, places_of, write_setting
     from pcaccess.clock import SystemClock
-    from pcaccess.plc.compiler import why_unavailable
 
     model = model_of(cpu)
     cycle = None if scan.strip().lower() == "free" else duration(scan)
@@ -159,12 +170,11 @@ def run(
     program = checked.program
     words = [word for text in watch or () for word in text.split(",") if word.strip()]
     places = [parse_place(word, program, model) for word in words] or places_of(program)
-    scanner = Scanner(model, program, SystemClock())
-    if (why := why_unavailable()) is not None:
-        note(f"The program runs in the interpreter, which is much slower: {why}.")
+    scanner = Scanner(model, program, SystemClock(), Executions(execution).choose())
     for setting in settings or ():
         write_setting(scanner.cpu, setting, program, model)
     with ExitStack() as stack, suppress(KeyboardInterrupt):
+        stack.callback(scanner.cpu.close)
         view: View
         if as_json:
             view = ScanJson()

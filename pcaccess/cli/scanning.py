@@ -18,9 +18,9 @@ from pcaccess.cli.values import json_value, value_text
 from pcaccess.clock import Clock
 from pcaccess.items.varianttypes import VARIANT_TYPES
 from pcaccess.links.scanning import LOOPS, SHORTEST_PAUSE
-from pcaccess.plc.compiler import make_executor
 from pcaccess.plc.cpu import Cpu
 from pcaccess.plc.errorlog import ErrorRecord
+from pcaccess.plc.executor import MakeExecutor
 from pcaccess.plc.literals import LiteralError, Target, parse_target, parse_typed, parse_value, plain_type
 from pcaccess.plc.watchdog import TimedWatchdog
 from pcaccess.s7200.address import Address, Area
@@ -136,7 +136,7 @@ class View(Protocol):
 class Scanner:
     """A CPU in real time."""
 
-    def __init__(self, model: CpuModel, program: Program, clock: Clock) -> None:
+    def __init__(self, model: CpuModel, program: Program, clock: Clock, make_executor: MakeExecutor) -> None:
         self._clock = clock
         self._began = clock.monotonic()
         self.cpu = Cpu(

@@ -7,9 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from pcaccess.cli.execution import Executions
 from pcaccess.cli.output import counted
+from pcaccess.plc.interpreter import Interpreter
 from pcaccess.plc.scenario import load_scenario
-from pcaccess.plc.testrun import Outcome, junit, run_scenario
+from pcaccess.plc.testrun import Outcome, is_worth_compiling, junit, run_scenario
 from pcaccess.problems import Problem, ProblemError
 
 
@@ -30,7 +32,8 @@ class Played:
         if self.outcome is None:
             return f"{self.file}: cannot be run, {counted({'errors': len(self.problems)}, 'errors')}"
         if self.passed:
-            return f"{self.file}: passed, {counted({'scans': self.outcome.scans}, 'scans') or 'no scan'}"
+            how = "" if self.outcome.executor == Interpreter.name else f" ({self.outcome.executor})"
+            return f"{self.file}: passed, {counted({'scans': self.outcome.scans}, 'scans') or 'no scan'}{how}"
         return f"{self.file}: FAILED, {len(self.outcome.failures)} not as expected"
 
     def as_json(self) -> dict[str, Any]:
@@ -40,10 +43,12 @@ class Played:
         return {"file": self.file, "passed": False, "failures": [], "problems": problems}
 
 
-def play(path: Path) -> Played:
+def play(path: Path, executions: Executions) -> Played:
     """Read and run one scenario."""
     try:
-        return Played(str(path), run_scenario(load_scenario(path)))
+        scenario = load_scenario(path)
+        make_executor = executions.choose(worth_compiling=is_worth_compiling(scenario))
+        return Played(str(path), run_scenario(scenario, make_executor=make_executor))
     except ProblemError as error:
         return Played(str(path), None, tuple(error.problems))
 

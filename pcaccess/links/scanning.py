@@ -140,6 +140,7 @@ class ScanningPlc:
             log.exception("%s: the CPU failed; its items are no longer good", self.plc.item_id)
             self._sink.lost(self.plc.item_id, Quality.DEVICE_FAILURE)
         finally:
+            self.cpu.close()
             self._answer(Outcome.DEVICE_FAILURE)
             if self._exchange is not None:
                 self._exchange.taken.cancel()

@@ -146,6 +146,11 @@ class Cpu:
             prepared.program.data.write_to(memoryview(self.memory)[start : start + self.model.sizes[Area.V]])
         self._new_edges = True
 
+    def close(self) -> None:
+        """Nothing will be scanned any more."""
+        if self._executor is not None:
+            self._executor.close()
+
     @property
     def executor_name(self) -> str:
         """How the program is executed, for people; empty without one."""

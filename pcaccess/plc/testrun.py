@@ -13,7 +13,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Final
 from xml.etree import ElementTree as Xml
 
 from pcaccess.plc.cpu import Mode
@@ -27,6 +27,11 @@ from pcaccess.problems import Problem, Span
 from pcaccess.s7200.address import Area
 from pcaccess.s7200.memory import AREA_START
 from pcaccess.s7200.types import Value
+
+_INTERPRETING: Final = 0.3e-6
+_COMPILING: Final = 100e-6
+"""Seconds for an instruction."""
+_LOADING_LLVM: Final = 0.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +84,13 @@ class Outcome:
         return data
 
 
+def is_worth_compiling(scenario: Scenario) -> bool:
+    """Whether compiled code is done before the interpreter would be, by a rough reckoning."""
+    instructions = sum(len(list(pou.instructions())) for pou in scenario.program.pous)
+    scans = max((step.at for step in scenario.steps), default=0.0) / scenario.cycle
+    return instructions * scans * _INTERPRETING > _LOADING_LLVM + instructions * _COMPILING
+
+
 def run_scenario(scenario: Scenario, *, make_executor: MakeExecutor = Interpreter) -> Outcome:
     """Run one scenario from beginning to end, whatever fails on the way."""
     return _Run(scenario, make_executor).outcome()
@@ -108,6 +120,7 @@ class _Run:
                 if self.scenario.trace:
                     self.trace.append({"at": step.text, "values": self._values()})
         cpu = self.session.cpu
+        cpu.close()
         named = {code for step in self.scenario.steps for code in step.errors}
         unexpected = tuple(record for record in cpu.errors if str(record.code) not in named)
         self._unexpected_stop(unexpected)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import io
 import json
 import re
-from collections.abc import Sequence
+import sys
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as Xml
@@ -13,8 +14,10 @@ from xml.etree import ElementTree as Xml
 import pytest
 from rich.console import Console
 
+from pcaccess.cli import scenarios
 from pcaccess.cli.scanning import Place, Scanner, ScanTable, Status, parse_place, places_of, write_setting
 from pcaccess.plc.errorlog import ErrorRecord
+from pcaccess.plc.interpreter import Interpreter
 from pcaccess.plc.llvm import machine
 from pcaccess.s7200.cpu import cpu_model
 from pcaccess.s7200.types import Value
@@ -44,6 +47,15 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "copy.awl").write_text(COPY)
     return tmp_path
+
+
+@pytest.fixture
+def no_llvmlite(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """A machine for which there is no llvmlite."""
+    monkeypatch.setitem(sys.modules, "llvmlite", None)
+    machine._binding.cache_clear()
+    yield
+    machine._binding.cache_clear()
 
 
 # -- check ---------------------------------------------------------------------------------------------------------
@@ -156,6 +168,37 @@ def test_a_scenario_that_passes_says_so(folder: Path) -> None:
     assert (outcome.code, outcome.out) == (0, "passes.yaml: passed, 2 scans\n")
 
 
+def test_a_scenario_that_is_worth_it_is_compiled_and_says_so(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(scenarios, "is_worth_compiling", lambda _: True)
+    (folder / "passes.yaml").write_text(PASSES)
+    outcome = invoke("plc", "scenario", "passes.yaml")
+    assert (outcome.code, outcome.out) == (0, "passes.yaml: passed, 2 scans (compiled)\n")
+
+
+@pytest.mark.parametrize(("execution", "how"), [("compiled", " (compiled)"), ("interpreter", "")])
+def test_a_scenario_runs_as_it_is_told_to(folder: Path, execution: str, how: str) -> None:
+    (folder / "passes.yaml").write_text(PASSES)
+    outcome = invoke("plc", "scenario", "passes.yaml", "--execution", execution)
+    assert (outcome.code, outcome.out, outcome.err) == (0, f"passes.yaml: passed, 2 scans{how}\n", "")
+
+
+@pytest.mark.usefixtures("no_llvmlite")
+def test_scenarios_that_would_be_compiled_say_once_why_they_are_not(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(scenarios, "is_worth_compiling", lambda _: True)
+    (folder / "passes.yaml").write_text(PASSES)
+    outcome = invoke("plc", "scenario", "passes.yaml", "passes.yaml")
+    assert outcome.lines == ["passes.yaml: passed, 2 scans"] * 2 + ["2 scenarios, all passed"]
+    assert outcome.err.count("in the interpreter, which is much slower: llvmlite is not installed (") == 1
+
+
+@pytest.mark.usefixtures("no_llvmlite")
+def test_scenarios_that_are_not_worth_compiling_need_no_compiler(folder: Path) -> None:
+    (folder / "passes.yaml").write_text(PASSES)
+    assert invoke("plc", "scenario", "passes.yaml").err == ""
+
+
 def test_every_difference_is_told_and_the_others_run(folder: Path) -> None:
     (folder / "passes.yaml").write_text(PASSES)
     (folder / "fails.yaml").write_text(FAILS)
@@ -241,7 +284,7 @@ async def scanned(text: str, places: Sequence[str], *settings: str, seconds: flo
     import asyncio
 
     model, program, clock, seen = cpu_model(), program_of(text), HandClock(), Recorder()
-    scanner = Scanner(model, program, clock)
+    scanner = Scanner(model, program, clock, Interpreter)
     for setting in settings:
         write_setting(scanner.cpu, setting, program, model)
     chosen = [parse_place(place, program, model) for place in places]
@@ -296,14 +339,29 @@ def test_lines_have_time_address_and_value(folder: Path) -> None:
     assert re.fullmatch(r"RUN, \d+ scans?, last \S+ ms, longest \S+ ms \(.+\)\n", outcome.err)
 
 
-def test_without_a_compiler_the_interpreter_runs_and_says_why(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def missing() -> None:
-        raise machine.Unavailable("llvmlite is not installed (mips)")
-
-    monkeypatch.setattr(machine, "_binding", missing)
+@pytest.mark.usefixtures("no_llvmlite")
+def test_without_a_compiler_the_interpreter_runs_and_says_why(folder: Path) -> None:
     outcome = invoke("plc", "run", "copy.awl", "--watch", "Q0.0", "--for", "1ms")
     assert outcome.code == 0
-    assert "in the interpreter, which is much slower: llvmlite is not installed (mips)" in outcome.err
+    assert outcome.err.startswith("Programs run in the interpreter, which is much slower: llvmlite is not installed (")
+    assert outcome.err.count("interpreter,") == 1
+    assert outcome.err.endswith(" (interpreter)\n")
+
+
+@pytest.mark.parametrize("execution", ["compiled", "interpreter"])
+def test_the_execution_can_be_chosen(folder: Path, execution: str) -> None:
+    outcome = invoke("plc", "run", "copy.awl", "--watch", "VW10", "--for", "1ms", "--execution", execution)
+    assert (outcome.code, outcome.lines[1]) == (0, "       0  VW10     1")
+    assert outcome.err.endswith(f" ({execution})\n")
+
+
+@pytest.mark.usefixtures("no_llvmlite")
+@pytest.mark.parametrize("command", [("run", "copy.awl"), ("scenario", "passes.yaml")])
+def test_a_compiler_that_is_asked_for_must_be_there(folder: Path, command: tuple[str, str]) -> None:
+    (folder / "passes.yaml").write_text(PASSES)
+    outcome = invoke("plc", *command, "--execution", "compiled")
+    assert (outcome.code, outcome.out) == (1, "")
+    assert "programs cannot be compiled here: llvmlite is not installed (" in outcome.err
 
 
 def test_symbols_are_shown_and_can_be_watched(folder: Path) -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from pcaccess.plc.cpu import Mode
 from pcaccess.plc.scenario import Scenario, load_scenario, parse_scenario
-from pcaccess.plc.testrun import Outcome, junit, run_scenario
+from pcaccess.plc.testrun import Outcome, is_worth_compiling, junit, run_scenario
 from pcaccess.problems import ProblemError
 
 FOLLOW = "LD I0.0\n= Q0.0\nLD SM0.0\nINCW VW0\nMOVW AIW0, VW2\n"
@@ -239,6 +239,16 @@ def test_a_file_that_is_no_scenario_is_told_so(tmp_path: Path, content: bytes) -
 def test_a_file_that_is_not_there_is_told_so(tmp_path: Path) -> None:
     with pytest.raises(ProblemError, match="no such file"):
         load_scenario(tmp_path / "none.yaml")
+
+
+def test_what_the_interpreter_would_need_long_for_is_worth_compiling(folder: Path) -> None:
+    """A program of 5 instructions is compiled in half a second, in which the interpreter scans it 300,000 times."""
+    steps = "  - {{at: {}, expect: {{Q0.0: 0}}}}"
+    assert not is_worth_compiling(read(folder, steps.format("10min")))
+    assert is_worth_compiling(read(folder, steps.format("10min"), scan="1ms"))
+    (folder / "follow.awl").write_text(FOLLOW * 100)
+    assert not is_worth_compiling(read(folder, steps.format("1s")))
+    assert is_worth_compiling(read(folder, steps.format("10min")))
 
 
 def test_junit_counts_and_names_failures(folder: Path) -> None:
