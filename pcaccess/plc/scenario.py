@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from typing import Any, Final, Generic, TypeVar
 
 from pcaccess.plc.cpu import Mode
 from pcaccess.plc.literals import (
@@ -55,6 +55,14 @@ class Setting:
 
 
 @dataclass(frozen=True, slots=True)
+class Placed(Generic[T]):
+    """Something that is expected, and where the scenario says so."""
+
+    value: T
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
 class Step:
     """What happens at one time; see docs/scenarios.md."""
 
@@ -63,12 +71,12 @@ class Step:
     """``at`` as written."""
     span: Span
     settings: tuple[Setting, ...] = ()
-    expectations: tuple[Expectation, ...] = ()
+    expectations: tuple[Placed[Expectation], ...] = ()
     switch: Mode | None = None
     """The mode switch is turned before the scan."""
-    mode: Mode | None = None
+    mode: Placed[Mode] | None = None
     """The mode expected after the scan."""
-    errors: tuple[str, ...] = ()
+    errors: tuple[Placed[str], ...] = ()
     """Codes that must have happened."""
 
 
@@ -271,21 +279,21 @@ class _Reader:
             settings=self._settings(node),
             expectations=expectations,
             # beside an error the mode is what the error leads to, not the hand at the switch
-            switch=None if errors else mode,
+            switch=None if errors or mode is None else mode.value,
             mode=mode if errors else expected_mode,
             errors=errors,
         )
 
-    def _mode(self, node: Mapping, key: str) -> Mode | None:
+    def _mode(self, node: Mapping, key: str) -> Placed[Mode] | None:
         text = self._text(node, key)
         if text is None:
             return None
         if text.upper() not in Mode.__members__:
             self.report("SCN004", self.tree.value_span(node, key), f"there is no mode {text!r}", expected="RUN or STOP")
             return None
-        return Mode[text.upper()]
+        return Placed(Mode[text.upper()], self.tree.key_span(node, key))
 
-    def _errors(self, node: Mapping) -> tuple[str, ...]:
+    def _errors(self, node: Mapping) -> tuple[Placed[str], ...]:
         value = node.get("error")
         if value is None:
             return ()
@@ -294,7 +302,7 @@ class _Reader:
             text = child.text or "" if isinstance(child, Scalar) else ""
             code = text.upper().removeprefix("16#").zfill(4)
             if code in _CODES:
-                codes.append(code)
+                codes.append(Placed(code, self.tree.span(child)))
             else:
                 message, expected = f"there is no error {text!r}", 'an error code such as "0006"'
                 self.report("SCN004", self.tree.span(child), message, expected=expected)
@@ -326,8 +334,8 @@ class _Reader:
                 settings.append(Setting(target, *pair))
         return tuple(settings)
 
-    def _expectations(self, node: Mapping) -> tuple[tuple[Expectation, ...], Mode | None]:
-        expectations: list[Expectation] = []
+    def _expectations(self, node: Mapping) -> tuple[tuple[Placed[Expectation], ...], Placed[Mode] | None]:
+        expectations: list[Placed[Expectation]] = []
         mode = None
         for name, span, child in self._places(node, "expect"):
             if name.lower() == "mode":
@@ -338,7 +346,7 @@ class _Reader:
             target = self._target(name, span)
             expectation = None if target is None else self._expectation(target, child)
             if expectation is not None:
-                expectations.append(expectation)
+                expectations.append(Placed(expectation, span))
         return tuple(expectations), mode
 
     def _expectation(self, target: Target, node: Node) -> Expectation | None:

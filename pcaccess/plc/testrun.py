@@ -54,7 +54,14 @@ class Failure:
         return f"{self.span}: at {self.at}: {self.address} is {self.actual}, expected {self.expected}"
 
     def as_json(self) -> dict[str, Any]:
-        return {"at": self.at, "address": self.address, "expected": self.wanted, "actual": self.found}
+        return {
+            "at": self.at,
+            "address": self.address,
+            "expected": self.wanted,
+            "actual": self.found,
+            "line": self.span.line,
+            "column": self.span.column,
+        }
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,7 +128,7 @@ class _Run:
                     self.trace.append({"at": step.text, "values": self._values()})
         cpu = self.session.cpu
         cpu.close()
-        named = {code for step in self.scenario.steps for code in step.errors}
+        named = {code.value for step in self.scenario.steps for code in step.errors}
         unexpected = tuple(record for record in cpu.errors if str(record.code) not in named)
         self._unexpected_stop(unexpected)
         return Outcome(
@@ -146,20 +153,23 @@ class _Run:
 
     def _check(self, step: Step) -> None:
         cpu = self.session.cpu
-        for expectation in step.expectations:
+        for placed in step.expectations:
+            expectation = placed.value
             actual = cpu.read(expectation.target.address, expectation.type)
             if not expectation.holds(actual):
                 shown = (expectation.shown, _shown(actual))
-                self._fail(step, expectation.target.text, *shown, expectation.as_json(), _plain(actual))
-        if step.mode is not None and cpu.mode is not step.mode:
-            self._fail(step, "mode", step.mode.value, cpu.mode.value, step.mode.value, cpu.mode.value)
+                place = expectation.target.text
+                self._fail(step, placed.span, place, *shown, expectation.as_json(), _plain(actual))
+        if step.mode is not None and cpu.mode is not step.mode.value:
+            modes = (step.mode.value.value, cpu.mode.value)
+            self._fail(step, step.mode.span, "mode", *modes, *modes)
         happened = [str(record.code) for record in cpu.errors]
         for code in step.errors:
-            if code not in happened:
-                self._fail(step, "error", code, ", ".join(happened) or "none", code, happened)
+            if code.value not in happened:
+                self._fail(step, code.span, "error", code.value, ", ".join(happened) or "none", code.value, happened)
 
-    def _fail(self, step: Step, address: str, expected: str, actual: str, wanted: Any, found: Any) -> None:
-        self.failures.append(Failure(step.text, address, expected, actual, step.span, wanted, found))
+    def _fail(self, step: Step, span: Span, address: str, expected: str, actual: str, wanted: Any, found: Any) -> None:
+        self.failures.append(Failure(step.text, address, expected, actual, span, wanted, found))
 
     def _unexpected_stop(self, unexpected: tuple[ErrorRecord, ...]) -> None:
         for record in unexpected:

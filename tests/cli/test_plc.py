@@ -206,7 +206,7 @@ def test_every_difference_is_told_and_the_others_run(folder: Path) -> None:
     assert outcome.code == 1
     assert outcome.lines == [
         "fails.yaml: FAILED, 1 not as expected",
-        "  fails.yaml:3:10: at 0ms: Q0.0 is 0, expected 1",
+        "  fails.yaml:3:28: at 0ms: Q0.0 is 0, expected 1",
         "passes.yaml: passed, 2 scans",
         "2 scenarios, 1 failed",
     ]
@@ -218,7 +218,7 @@ def test_programs_get_failures_and_traces(folder: Path) -> None:
     assert outcome == {
         "file": "fails.yaml",
         "passed": False,
-        "failures": [{"at": "0ms", "address": "Q0.0", "expected": 1, "actual": 0}],
+        "failures": [{"at": "0ms", "address": "Q0.0", "expected": 1, "actual": 0, "line": 3, "column": 28}],
         "trace": [{"at": "0ms", "values": {"VW10": 1}}, {"at": "30ms", "values": {"VW10": 4}}],
     }
 
