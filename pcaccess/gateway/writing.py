@@ -86,7 +86,9 @@ def _within_limits(item: Item, value: float) -> float:
     if item.low <= value <= item.high:
         return value
     if item.write_limits is WriteLimits.CLAMP and not math.isnan(value):
-        return type(value)(min(max(value, item.low), item.high))
+        if isinstance(value, float):
+            return min(max(value, item.low), item.high)
+        return min(max(value, math.ceil(item.low)), math.floor(item.high))  # 0.5 is no INT: the nearest within
     raise WriteRefused(Outcome.OUT_OF_RANGE, f"{item.item_id} takes {item.low:g} to {item.high:g}, not {value:g}")
 
 

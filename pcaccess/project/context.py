@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 
 from pcaccess.problems import nearest_word
 from pcaccess.project.durations import EXPECTED, DurationError, parse_duration
-from pcaccess.project.itemtext import Where
+from pcaccess.project.limits import Where
 from pcaccess.project.network import NetworkError, OpenEndpointError
 from pcaccess.project.problems import Findings
 from pcaccess.project.yamltext import Mapping, Node, Sequence, Tree

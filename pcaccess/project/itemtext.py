@@ -6,12 +6,13 @@ Not here: whether its ID is free (``pcaccess.project.ids``).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container
+from collections.abc import Container
 from dataclasses import dataclass
 from typing import Final
 
 from pcaccess.problems import Span, nearest_word
 from pcaccess.project.access import ACCESS_NAMES, Access
+from pcaccess.project.limits import Where, check_limits, check_scaling, read_limits
 from pcaccess.project.model import Item, LinkType, Scaling, Traits, WriteLimits
 from pcaccess.project.problems import Findings
 from pcaccess.project.sim import WaveError, parse_wave
@@ -19,9 +20,6 @@ from pcaccess.s7200.address import Address, AddressError, Area, Width, parse_add
 from pcaccess.s7200.cpu import CpuModel
 from pcaccess.s7200.special import LAST_READ_ONLY_SM, true_of_memory_alone
 from pcaccess.s7200.types import DATA_TYPE_NAMES, MAX_STRING, DataType, ValueRangeError, ValueTypeError
-
-Where = Callable[[str], Span]
-"""From a key (``address``) to the place of its value."""
 
 
 @dataclass(slots=True)
@@ -141,13 +139,12 @@ class ItemMaker:
             place = self._foreign(text, where)
         else:
             place = self._in_memory(text, where, broken)
-        limits = self._limits(text, where, broken)
+        limits = read_limits(text.low, text.high, where, broken, self._findings)
         access = self._access(text, where, place.why_read_only if place else "")
         write_limits = self._limited_writes(text, where, limits)
         if place is None or access is None or write_limits is None or self._findings.errors > before:
             return None
-        if limits and place.data_type in (DataType.BOOL, DataType.STRING):
-            self._report("PRJ025", where("high"), f"high and low belong to numbers; this is {place.data_type.name}")
+        if limits and not check_limits(text.low, text.high, place.data_type, write_limits, where, self._findings):
             return None
         description = self._texts.setdefault(text.description, text.description)
         return Item(item_id, place.address, self._traits(text, place, access, limits, write_limits), description)
@@ -274,6 +271,7 @@ class ItemMaker:
             self._report(
                 "PRJ024", where("scaling"), "both ends are the same", "two different numbers in raw and in scaled"
             )
+        check_scaling(text.scaling, raw, where("scaling"), self._findings)
         return DataType.REAL, raw
 
     def _check_range(self, address: Address, size: int, where: Where) -> None:
@@ -306,22 +304,6 @@ class ItemMaker:
             self._report("PRJ026", where("access"), f"{why_read_only}; access is taken as R")
             return Access.R
         return access
-
-    def _limits(self, text: ItemText, where: Where, broken: Container[str]) -> tuple[float, float] | None:
-        low, high = text.low, text.high
-        if (low is None and high is None) or (low == 0 and high == 0) or "low" in broken or "high" in broken:
-            return None
-        if low is None or high is None:
-            there, missing = ("high", "low") if low is None else ("low", "high")
-            self._report("PRJ022", where(there), f"{there} without {missing}; a range has both ends")
-            return None
-        if low == high:
-            self._report("PRJ022", where("high"), f"high and low are both {high:g}", "a range, or both left out")
-            return None
-        if low > high:
-            self._report("PRJ021", where("high"), f"high {high:g} is below low {low:g}; taken the other way round")
-            low, high = high, low
-        return low, high
 
     def _limited_writes(self, text: ItemText, where: Where, limits: tuple[float, float] | None) -> WriteLimits | None:
         if text.write_limits is None:

@@ -44,6 +44,7 @@ PROJECT: Final = Register(
         "PRJ034": Kind("an item that can never be good", Severity.WARNING),
         "PRJ035": Kind("a tag table without its columns"),
         "PRJ036": Kind("something in a tag table that items do not have", Severity.WARNING),
+        "PRJ037": Kind("limits beyond what the type holds", Severity.WARNING),
     }
 )
 

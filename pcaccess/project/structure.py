@@ -8,7 +8,9 @@ Errors:   collected as problems; the result is None where nothing is left to go 
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any, Final, get_args
 
 from annotated_types import Ge, Le
@@ -87,7 +89,7 @@ def _mend(faults: list[tuple[list[Step], Any]]) -> set[tuple[int, Any]]:
         if fault["type"] != "extra_forbidden":
             continue
         owner, key = steps[-1]
-        near = nearest_word(key, _model_at(fault["loc"][:-1]).model_fields)
+        near = _nearest_key(key, list(_model_at(fault["loc"][:-1]).model_fields))
         if isinstance(owner, Mapping) and near is not None and near not in owner.pairs:
             owner.pairs[near] = owner.pairs[key]
             filled.add((id(owner), near))
@@ -216,8 +218,44 @@ def _report_unknown_key(tree: Tree, steps: list[Step], loc: tuple[int | str, ...
         tree.key_span(owner, key),
         message,
         expected=f"one of {', '.join(known)}",
-        nearest=None if elsewhere else nearest_word(key, known),
+        nearest=None if elsewhere else _nearest_key(key, known),
     )
+
+
+_OTHER_WORDS: Final = MappingProxyType(
+    {
+        "min": "low",
+        "minimum": "low",
+        "max": "high",
+        "maximum": "high",
+        "comment": "description",
+        "remark": "description",
+        "data_type": "type",
+        "datatype": "type",
+        "register": "address",
+        "tag": "name",
+        "id": "name",
+        "rights": "access",
+        "eu": "unit",
+        "scale": "scaling",
+        "ip": "host",
+        "hostname": "host",
+        "station": "address",
+        "model": "cpu",
+        "interval": "update_rate",
+        "rate": "update_rate",
+        "tags": "items",
+        "devices": "plcs",
+        "channels": "links",
+        "connections": "links",
+    }
+)
+"""What other systems call a key."""
+
+
+def _nearest_key(key: str, known: Collection[str]) -> str | None:
+    meant = _OTHER_WORDS.get(key.lower())
+    return meant if meant in known else nearest_word(key, known)
 
 
 def _keys_on(link_type: str, loc: tuple[int | str, ...]) -> set[str]:

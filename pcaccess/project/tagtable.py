@@ -23,7 +23,8 @@ from pathlib import Path
 from typing import Final
 
 from pcaccess.problems import Span, nearest_word
-from pcaccess.project.itemtext import ItemText, Where
+from pcaccess.project.itemtext import ItemText
+from pcaccess.project.limits import Where
 from pcaccess.project.model import Scaling
 from pcaccess.project.problems import Findings
 from pcaccess.project.textfile import MAX_SIZE, TextError, decode_table, read_bytes

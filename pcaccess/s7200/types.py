@@ -23,6 +23,10 @@ STRING_ENCODING: Final = "latin-1"
 """Every byte of a PLC string is one character, so that reading one back is lossless."""
 
 
+_REAL_MAX: Final = (2 - 2**-23) * 2.0**127
+"""Largest finite IEEE 754 single."""
+
+
 class ValueTypeError(TypeError):
     """The value is of the wrong kind for the type, for example a text for an INT."""
 
@@ -80,6 +84,16 @@ class DataType(Enum):
     def high(self) -> int:
         """Largest value of an integer type; 1 for BOOL, 0 for REAL and STRING."""
         return self.value.high
+
+    @property
+    def lowest(self) -> float:
+        """Smallest number of a numeric type."""
+        return -_REAL_MAX if self is DataType.REAL else self.low
+
+    @property
+    def highest(self) -> float:
+        """Largest number of a numeric type."""
+        return _REAL_MAX if self is DataType.REAL else self.high
 
     def encode(self, value: Value, *, length: int = MAX_STRING) -> bytes:
         """Bytes as they stand in PLC memory.

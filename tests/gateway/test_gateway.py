@@ -32,6 +32,7 @@ links:
           - {name: Scaled, address: VW40, type: REAL, scaling: {raw: [0, 1000], scaled: [0, 10]}}
           - {name: Limited, address: VW50, type: INT, high: 100, low: -100, write_limits: refuse}
           - {name: Clamped, address: VW52, type: INT, high: 100, low: -100, write_limits: clamp}
+          - {name: Between, address: VW54, type: INT, high: 10.5, low: 0.5, write_limits: clamp}
           - {name: Always, address: SM0.0, type: BOOL}
           - {name: Clock, address: SM0.5, type: BOOL}
           - {name: Timer, address: T37, type: INT}
@@ -111,6 +112,8 @@ async def test_a_write_that_cannot_be_is_refused_and_changes_nothing(
         ("Limited", -100, -100),
         ("Clamped", 5000, 100),
         ("Clamped", -5000, -100),
+        ("Between", 5000, 10),
+        ("Between", -5000, 1),
         ("Timer", 17, 17),
         ("TimerBit", True, True),
     ],

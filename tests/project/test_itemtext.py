@@ -78,6 +78,64 @@ def test_what_does_not_go_together_is_said(item: str, message: str) -> None:
     assert told(item) == [message]
 
 
+@pytest.mark.parametrize(
+    ("item", "messages"),
+    [
+        ("address: VW0, type: WORD, low: -6, high: 60000", ["PRJ037 low -6 is beyond what a WORD holds"]),
+        (
+            "address: VW0, low: 40000, high: 0",  # told where it stands, whichever way round
+            [
+                "PRJ021 high 0 is below low 40000; taken the other way round",
+                "PRJ037 low 40000 is beyond what an INT holds",
+            ],
+        ),
+        ("address: VB0, low: 0, high: 256", ["PRJ037 high 256 is beyond what a BYTE holds"]),
+        ("address: VB0, type: CHAR, low: -129, high: 127", ["PRJ037 low -129 is beyond what a CHAR holds"]),
+        ("address: VD0, low: -3e9, high: 2147483647", ["PRJ037 low -3e+09 is beyond what a DINT holds"]),
+        (
+            "address: VD0, type: DWORD, low: 0, high: 4294967296",
+            ["PRJ037 high 4.2949673e+09 is beyond what a DWORD holds"],
+        ),
+        ("address: VD0, type: REAL, low: 0, high: 3.5e38", ["PRJ037 high 3.5e+38 is beyond what a REAL holds"]),
+        ("address: VD0, type: REAL, low: -3.4e38, high: 3.4e38", []),
+        (
+            "address: VB0, low: 300, high: 400",
+            ["PRJ037 low 300 is beyond what a BYTE holds", "PRJ037 high 400 is beyond what a BYTE holds"],
+        ),
+        (
+            "address: VB0, low: 300, high: 400, write_limits: clamp",
+            ["PRJ022 no BYTE lies between 300 and 400, so that nothing could be written"],
+        ),
+        (
+            "address: VB0, low: 0.2, high: 0.8, write_limits: refuse",
+            ["PRJ022 no BYTE lies between 0.2 and 0.8, so that nothing could be written"],
+        ),
+        ("address: VB0, low: 0.2, high: 1, write_limits: refuse", []),
+        (
+            "address: AIW0, scaling: {raw: [0, 40000], scaled: [0, 10]}",
+            ["PRJ037 raw 40000 is beyond what an INT holds"],
+        ),
+        (
+            "address: AIW0, scaling: {raw: [-1, 70000], scaled: [0, 4e38]}, raw_type: WORD",
+            [
+                "PRJ037 raw -1 is beyond what a WORD holds",
+                "PRJ037 raw 70000 is beyond what a WORD holds",
+                "PRJ037 scaled 4e+38 is beyond what a REAL holds",
+            ],
+        ),
+        # a scaled item's limits are engineering values
+        ("address: AIW0, scaling: {raw: [0, 32000], scaled: [0, 1e6]}, low: 0, high: 1e6", []),
+    ],
+)
+def test_limits_beyond_the_type_are_said(item: str, messages: list[str]) -> None:
+    assert sorted(told(item)) == sorted(messages)
+
+
+def test_what_a_type_holds_is_told_and_which_type_would_do() -> None:
+    (problem,) = load_text(text("address: AIW0, scaling: {raw: [0, 40000], scaled: [0, 10]}")).warnings
+    assert problem.expected == "-32768 to 32767, or raw_type: WORD"
+
+
 @pytest.mark.parametrize("item", ["address: SM0.0", "address: SMB30", "address: SMW28, access: R"])
 def test_special_memory_that_memory_alone_keeps_true_is_no_warning(item: str) -> None:
     assert told(item) == []
