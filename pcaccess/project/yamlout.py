@@ -7,7 +7,7 @@ from typing import Final
 import yaml
 
 _PLAIN_START: Final = frozenset("-?:,[]{}#&*!|>'\"%@` ")
-_FLOW: Final = frozenset(",[]{}\"'#")
+_FLOW: Final = frozenset(",[]{}\"'#?")  # PyYAML ends a plain text in braces at a question mark
 _GUESS: Final = yaml.resolver.Resolver()
 _STR: Final = "tag:yaml.org,2002:str"
 

@@ -29,6 +29,7 @@ def test_every_reader_of_yaml_gets_the_text_back(pairs: dict[str, str]) -> None:
         ("", '""'),
         ("a, b", '"a, b"'),
         ("x: y", '"x: y"'),
+        ("Pump on?", '"Pump on?"'),
         ('say "hi"', '"say \\"hi\\""'),
         ("tab\there", '"tab\\x09here"'),
     ],
