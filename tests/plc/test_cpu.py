@@ -221,8 +221,9 @@ def test_the_watchdog_ends_an_endless_loop_and_says_so(bench: MakeBench) -> None
 def test_an_endless_loop_in_an_interrupt_routine_ends_the_scan(bench: MakeBench) -> None:
     plc = bench(TIMED.replace("LD SM0.0\nINCW VW0", "LBL 1\nLD SM0.0\nJMP 1"), loop_budget=100)
     plc.scan()
-    plc.scan(after=1, load=9)  # due in the second of three networks
-    assert (plc.cpu.mode, plc.word("VW2")) == (Mode.STOP, 0)
+    plc.write("VW0", INT, 5)
+    plc.scan(after=1, load=9)  # due between the second and the third of three networks
+    assert (plc.cpu.mode, plc.word("VW2"), plc.word("VW4")) == (Mode.STOP, 5, 0)
     assert str(plc.cpu.fatal) == f"test.awl:22:1: {WATCHDOG} (INT_0 (INT0), network 1)"
     assert len(plc.cpu.errors) == 1
 

@@ -105,7 +105,7 @@ INTERPRETER: Final = (
         _INTERPRETER,
         "        except _Unwind:\n            return True\n",
         "        except _Unwind:\n            return False\n",
-        "tests/plc/test_compiler.py",
+        "tests/differential/test_runtime.py",
     ),
     Fault(
         "interpreter-poll-never-unwinds",
@@ -113,7 +113,7 @@ INTERPRETER: Final = (
         _INTERPRETER,
         "            if m[layout.ATTENTION] and poll(network):\n                raise _Unwind\n",
         "            if m[layout.ATTENTION]:\n                poll(network)\n",
-        "tests/plc/test_cpu.py",
+        "tests/differential/test_runtime.py",
     ),
     Fault(
         "interpreter-budget-missing",

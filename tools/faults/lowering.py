@@ -209,6 +209,6 @@ LOWERING: Final = (
         _BUILDER,
         'key = (kind, number, str(number)[0] == "-")',
         "key = (kind, number, False)",
-        "tests/plc/test_laws.py",
+        table("real_math"),
     ),
 )
