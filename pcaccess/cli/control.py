@@ -90,12 +90,15 @@ def download(
         content = file.read_bytes()
     except OSError as error:
         raise Failed(f"{file} cannot be opened: {error.strerror}") from None
-    name, accepted, problems = asyncio.run(run(server_url(url), plc, str(file), content))
+    done = asyncio.run(run(server_url(url), plc, str(file), content))
     if as_json:
-        json_line({"plc": name, "accepted": accepted, "problems": problems})
+        json_line(done.as_json())
     else:
-        for problem in problems:
+        for problem in done.problems:
             complain(problem)
-        show(f"{name}: {file} {'runs' if accepted else 'has errors; nothing changed'}")
-    if not accepted:
+        taken = "runs" if done.mode == "RUN" else f"is taken; the PLC is in {done.mode}"
+        show(f"{done.plc}: {file} {taken if done.accepted else 'has errors; nothing changed'}")
+    if not done.accepted:
         raise typer.Exit(1)
+    if done.mode != done.before:
+        raise Failed(f"{done.plc} went to {done.mode}; the log of pcaccess run says why")

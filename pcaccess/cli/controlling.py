@@ -95,13 +95,31 @@ async def switch(url: str, plc: str, method: str) -> tuple[str, str]:
         return state.item_id, state.mode
 
 
-async def download(url: str, plc: str, name: str, program: bytes) -> tuple[str, bool, list[str]]:
-    """Give a PLC a program: the PLC's name as written, whether it was taken, and what is wrong with it."""
+@dataclass(frozen=True, slots=True)
+class Download:
+    """What became of a program that a PLC was given."""
+
+    plc: str
+    """Its name as written."""
+    accepted: bool
+    problems: list[str]
+    before: str
+    """The PLC's mode."""
+    mode: str
+
+    def as_json(self) -> dict[str, Any]:
+        return {"plc": self.plc, "accepted": self.accepted, "mode": self.mode, "problems": self.problems}
+
+
+async def download(url: str, plc: str, name: str, program: bytes) -> Download:
+    """Give a PLC a program."""
     async with connect(url) as remote:
         node = _find(remote, plc, await _plcs(remote))
         arguments = (ua.Variant(name, ua.VariantType.String), ua.Variant(program, ua.VariantType.ByteString))
+        before = await _state(remote, node)
         accepted, problems = await _call_plc(remote, node, "Download", *arguments)
-        return remote.name(node), bool(accepted), list(problems or [])
+        after = await _state(remote, node)
+        return Download(after.item_id, bool(accepted), list(problems or []), before.mode, after.mode)
 
 
 class NoSuchPlc(Failed):

@@ -109,6 +109,7 @@ class ScanningPlc:
         """STOP to RUN."""
         self.cpu.run(self._milliseconds())
         self._told = 0
+        self._stopped_by_fault = False
 
     def stop(self) -> None:
         """RUN to STOP."""

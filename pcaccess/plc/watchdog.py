@@ -16,8 +16,8 @@ from typing import Final, Protocol
 from pcaccess.clock import Clock
 
 LIMIT: Final = 0.5
-RESETS: Final = 10
-"""WDR makes a scan up to so many times as long."""
+RESETS: Final = 3
+"""WDR comes too late when the scan has lasted so many limits; so clients wait two seconds at most."""
 
 
 class Watchdog(Protocol):

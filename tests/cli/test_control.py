@@ -103,12 +103,16 @@ async def test_a_program_is_downloaded_and_runs(command: Command, served: tuple[
 async def test_a_plc_that_stops_at_once_was_not_started(command: Command, served: tuple[Path, str]) -> None:
     folder, _ = served
     (folder / "stops.awl").write_text(COPY.replace("= Q0.0", "LD SM0.0\nSTOP"))
-    await command("plc", "download", str(folder / "stops.awl"), "--plc", "L.Runs")
+    outcome = await command("plc", "download", str(folder / "stops.awl"), "--plc", "L.Runs")
+    assert (outcome.code, outcome.out) == (1, f"L.Runs: {folder / 'stops.awl'} is taken; the PLC is in STOP\n")
+    assert outcome.err == "pcaccess: L.Runs went to STOP; the log of pcaccess run says why\n"
     outcome = await command("plc", "start", "L.Runs")
     assert (outcome.code, outcome.out) == (1, "L.Runs: STOP\n")
     assert outcome.err == "pcaccess: L.Runs went back to STOP; the log of pcaccess run says why\n"
     (folder / "copy.awl").write_text(COPY)
-    await command("plc", "download", str(folder / "copy.awl"), "--plc", "L.Runs")
+    outcome = await command("plc", "download", str(folder / "copy.awl"), "--plc", "L.Runs", "--json")
+    assert json.loads(outcome.out) == {"plc": "L.Runs", "accepted": True, "mode": "STOP", "problems": []}
+    assert (outcome.code, outcome.err) == (0, "")
     assert (await command("plc", "start", "L.Runs")).out == "L.Runs: RUN\n"
 
 

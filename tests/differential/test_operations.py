@@ -17,7 +17,7 @@ from tests.differential.side_by_side import Pair, function, module
 
 SINGLE_MAX = struct.unpack(">f", b"\x7f\x7f\xff\xff")[0]
 REALS = (0.0, -0.0, 1.0, -1.0, 0.5, -2.5, 1.5e-45, -1e-38, 16777217.0, 2147483648.0, -2147483648.0, 1e9, 0.1)
-REALS += (255.9, 32767.5, -32768.9, SINGLE_MAX, -SINGLE_MAX, math.inf, -math.inf, math.nan)
+REALS += (3e9, 4294967040.0, 255.9, 32767.5, -32768.9, SINGLE_MAX, -SINGLE_MAX, math.inf, -math.inf, math.nan)
 INTEGERS = [kind for kind in IrType if not kind.real]
 NUMBERS = [kind for kind in IrType if kind is not IrType.I1]
 IN_MEMORY = [kind for kind in NUMBERS if kind.bits <= 32]

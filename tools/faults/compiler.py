@@ -69,7 +69,7 @@ COMPILER: Final = (
         _OPERATIONS,
         'return int.from_bytes(struct.pack(">f", number), "little")',
         'return int.from_bytes(struct.pack(">f", number), "big")',
-        "tests/plc/test_laws.py",
+        "tests/conformance/test_variants.py -k DTR",
     ),
     Fault(
         "compiled-wrong-bit",
@@ -256,14 +256,6 @@ COMPILER: Final = (
         PROGRAMS,
     ),
     Fault(
-        "compiled-piece-reads-raw-of-another",
-        "a piece moves a value as another piece loaded it",
-        _OPERATIONS,
-        "        self._raw.pop(value.index, None)\n",
-        "",
-        PROGRAMS,
-    ),
-    Fault(
         "compiled-eno-begins-off",
         "ENO begins with 0",
         _FUNCTION,
@@ -277,7 +269,7 @@ COMPILER: Final = (
         _PRELUDE,
         "%good = icmp sle i32 %end, %limit",
         "%good = icmp slt i32 %end, %limit",
-        OPERATIONS,
+        "tests/differential/test_pointers.py",
     ),
     Fault(
         "compiled-pointer-over-the-end",
@@ -285,7 +277,7 @@ COMPILER: Final = (
         _PRELUDE,
         "%good = icmp sle i32 %end, %limit",
         "%good = icmp sle i32 %offset, %limit",
-        OPERATIONS,
+        "tests/differential/test_pointers.py",
     ),
     Fault(
         "compiled-pointer-unchecked",
@@ -293,7 +285,7 @@ COMPILER: Final = (
         _PRELUDE,
         "%known = icmp ult i32 %code, {len(codes)}",
         "%known = icmp ule i32 %code, 255",
-        OPERATIONS,
+        "tests/differential/test_pointers.py",
     ),
     Fault(
         "compiled-frame-not-cleared",

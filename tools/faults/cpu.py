@@ -36,7 +36,7 @@ CPU: Final = (
         _TIMERS,
         "return number - 0x1_0000 if number & 0x8000 else number",
         "return number",
-        "tests/plc/test_timers.py",
+        table("timers"),
     ),
     Fault(
         "outputs-before-program",

@@ -49,7 +49,7 @@ INTERPRETER: Final = (
         _INTERPRETER,
         "if offset + r[size] <= limit else -1",
         "if offset + r[size] < limit else -1",
-        OPERATIONS,
+        "tests/differential/test_pointers.py",
     ),
     Fault(
         "interpreter-pointer-over-the-end",
@@ -57,7 +57,7 @@ INTERPRETER: Final = (
         _INTERPRETER,
         "if offset + r[size] <= limit else -1",
         "if offset <= limit else -1",
-        OPERATIONS,
+        "tests/differential/test_pointers.py",
     ),
     Fault(
         "interpreter-fills-with-swapped-bytes",

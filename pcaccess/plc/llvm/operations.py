@@ -104,7 +104,6 @@ class Writer:
 
     def rename(self, value: ir.Value, name: str) -> None:
         """What follows finds the value under another name."""
-        self._raw.pop(value.index, None)
         self._names[value.index] = name
 
     def operation(self, op: ir.Operation) -> None:

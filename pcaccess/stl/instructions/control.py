@@ -76,7 +76,10 @@ def reset_watchdog(runtime: Runtime) -> Outcome:
     source="System Manual, Watchdog reset; document 003, section 6.2.4",
 )
 def watchdog(b: Routine) -> None:
-    """Give the scan its full time again (up to ten times in all: a loop with WDR in it does not last for ever)."""
+    """Give the scan its full time again.
+
+    Once it has lasted three times that, WDR does nothing: a loop with WDR in it does not last for ever.
+    """
     b.call(reset_watchdog)
     b.eno(True)
 
