@@ -135,6 +135,11 @@ def _check_parameters(
         return
     for operand, spec, variable in zip(given, specs, target.parameters, strict=True):
         what = f"parameter {spec.name} ({variable.section.value}) of {target.name}"
+        if variable.data_type is DataType.STRING and isinstance(operand, Constant) and isinstance(operand.value, str):
+            message = f"{what} is passed as the address of a text, and {operand.symbol or operand.text} has none"
+            expected = f"where it lies in V memory: VB0, say, with VB0 {operand.text} in the data block"
+            problems.add("STL026", operand.span, message, expected=expected)
+            continue
         operands.check_one(operand, spec, what, "STL082")
 
 

@@ -417,7 +417,23 @@ def test_a_string_parameter_takes_where_a_text_lies() -> None:
     assert found(main("LD SM0.0\nCALL SBR_0, VB20\nCALL SBR_0, *AC1") + text) == []
     assert found(main("LD SM0.0\nCALL SBR_0, VD20") + text) == ["6:13 STL082"]
     assert found(main("LD SM0.0\nCALL SBR_0, LB20") + text) == ["6:13 STL022"]
-    assert found(main('LD SM0.0\nCALL SBR_0, "abc"') + text) == ["6:13 STL026"]
+    (problem,) = problems_of(main('LD SM0.0\nCALL SBR_0, "abc"') + text)
+    assert (problem.code, problem.span.column) == ("STL026", 13)
+    assert problem.message == 'parameter Text (IN) of SBR_0 is passed as the address of a text, and "abc" has none'
+    assert problem.expected == 'where it lies in V memory: VB0, say, with VB0 "abc" in the data block'
+
+
+def test_a_string_parameter_is_passed_on() -> None:
+    variables = "VAR_INPUT\nText:STRING;\nEND_VAR\n"
+    inner = subroutine(1, "LD SM0.0\nSCPY #Text, VB0", variables=variables)
+    assert (
+        found(
+            main("LD SM0.0\nCALL SBR_0, VB20")
+            + subroutine(0, "LD SM0.0\nCALL SBR_1, #Text", variables=variables)
+            + inner
+        )
+        == []
+    )
 
 
 def test_targets_of_call_and_atch_must_exist() -> None:
