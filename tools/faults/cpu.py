@@ -50,8 +50,8 @@ CPU: Final = (
         "edges-of-the-old-program",
         "a new program's edges compare with those of the old one",
         _CPU,
-        "        self._new_edges = True\n\n    @property",
-        "\n    @property",
+        "        self._new_edges = True\n\n    def",
+        "\n    def",
         _TESTS,
     ),
     Fault(
@@ -68,7 +68,7 @@ CPU: Final = (
         _RUNTIME,
         "memory[_ACCUMULATORS], memory[_FLAGS] = accumulators, flags",
         "memory[_ACCUMULATORS] = accumulators",
-        _TESTS,
+        table("interrupts"),
     ),
     Fault(
         "interrupt-spoils-local-memory",
@@ -76,7 +76,7 @@ CPU: Final = (
         _RUNTIME,
         "        push_frame(memory)\n",
         "",
-        _TESTS,
+        table("interrupts"),
     ),
     Fault(
         "interrupt-calls-too-deep",
@@ -84,7 +84,7 @@ CPU: Final = (
         _RUNTIME,
         "        memory[layout.CALL_LIMIT] = limit\n",
         "",
-        _TESTS,
+        table("interrupts"),
     ),
     Fault(
         "interrupt-in-an-interrupt",
