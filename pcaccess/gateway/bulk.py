@@ -41,32 +41,29 @@ def write_blocks(
     columns: Columns,
     station_of: Callable[[int], Station],
     data_of: Callable[[NDArray[np.intp], DataType], NDArray[np.uint8]],
-) -> list[Outcome] | None:
-    """Write all places of the columns; gives the outcome of each.
+) -> list[tuple[NDArray[np.intp], Outcome]] | None:
+    """Write all places of the columns; gives the outcome of those that were not done.
 
     ``data_of(positions, type)`` gives a row of bytes per position. None where a bit is written twice, so that the
     order matters, or a PLC has to be waited for.
     """
-    groups: list[tuple[Station, DataType, NDArray[np.intp]]] = []
+    by_station: dict[int, list[tuple[DataType, NDArray[np.intp]]]] = {}
     keys = columns.stations.astype(np.int64) * len(TYPES) + columns.types
-    for key in np.unique(keys).tolist():
+    for key in np.flatnonzero(np.bincount(keys)).tolist():
         number, type_ = divmod(key, len(TYPES))
-        groups.append((station_of(number), TYPES[type_], np.flatnonzero(keys == key)))
-    by_station: dict[Station, list[tuple[DataType, NDArray[np.intp]]]] = {}
-    for station, raw_type, positions in groups:
-        by_station.setdefault(station, []).append((raw_type, positions))
-    for station, members in by_station.items():
+        by_station.setdefault(number, []).append((TYPES[type_], np.flatnonzero(keys == key)))
+    for number, members in by_station.items():
+        station = station_of(number)
         if not station.link.takes_blocks(station.name) or _overlap(columns, members):
             return None
-    outcomes = [Outcome.DONE] * len(keys)
-    for station, members in by_station.items():
+    refused: list[tuple[NDArray[np.intp], Outcome]] = []
+    for number, members in by_station.items():
+        station = station_of(number)
         blocks = [RawBlock(t, columns.offsets[p], columns.bits[p], data_of(p, t)) for t, p in members]
         outcome = station.link.write_blocks(station.name, blocks)
         if outcome is not Outcome.DONE:
-            for _, positions in members:
-                for position in positions.tolist():
-                    outcomes[position] = outcome
-    return outcomes
+            refused += [(positions, outcome) for _, positions in members]
+    return refused
 
 
 def _overlap(columns: Columns, members: Sequence[tuple[DataType, NDArray[np.intp]]]) -> bool:

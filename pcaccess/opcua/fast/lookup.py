@@ -9,7 +9,7 @@ Source:   OPC UA Part 6, 5.2.2.9 NodeId (encoding 3 is a string: 03, namespace, 
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Final
 
 import numpy as np
@@ -22,6 +22,8 @@ from pcaccess.gateway.station import Station
 from pcaccess.gateway.writing import is_verbatim
 from pcaccess.items.rowset import Rows
 from pcaccess.items.varianttypes import VARIANT_TYPES
+from pcaccess.opcua.fast.columns import Positions
+from pcaccess.opcua.fast.shelves import MISSING, Shelves
 from pcaccess.opcua.ids import ITEMS, SYSTEM
 from pcaccess.opcua.space import Space
 from pcaccess.project.model import Access
@@ -50,6 +52,8 @@ FOREIGN: Final = -2
 
 _STRING_HEAD: Final = struct.Struct("<BHi")
 _HEAD: Final = 7
+TEXT: Final = 3
+"""First byte of a NodeId that is a string."""
 
 
 class Lookup:
@@ -59,6 +63,7 @@ class Lookup:
         self._gateway = gateway
         self._space = space
         self._names: dict[bytes, int] = {}
+        self._shelves = Shelves(MAX_NAMES, MAX_NAME)
         self._flags: NDArray[np.uint8] = np.zeros(0, np.uint8)
         self._types: NDArray[np.uint8] = np.zeros(0, np.uint8)
         self._station: NDArray[np.int32] = np.zeros(0, np.int32)
@@ -73,6 +78,7 @@ class Lookup:
     def forget(self) -> None:
         """Names may mean other rows, and rows other items."""
         self._names.clear()
+        self._shelves.clear()
         self._flags[:] = 0
         self._stations.clear()
         self._station_numbers.clear()
@@ -85,10 +91,6 @@ class Lookup:
 
     # ------------------------------------------------------------------ names
 
-    def rows(self, encoded: Sequence[bytes]) -> list[int | None]:
-        """Row of each encoded NodeId that is remembered."""
-        return list(map(self._names.get, encoded))
-
     def resolve(self, encoded: bytes, registered: Callable[[ua.NodeId], ua.NodeId]) -> int:
         """Row of an encoded NodeId, ``UNKNOWN_NODE`` or ``FOREIGN``.
 
@@ -97,16 +99,44 @@ class Lookup:
         known = self._names.get(encoded)
         if known is not None:
             return known
+        row = self._look_up(encoded, registered)
+        if row >= 0 and encoded[0] == TEXT and len(encoded) <= MAX_NAME:
+            if len(self._names) >= MAX_NAMES:
+                self._names.clear()
+            self._names[encoded] = row
+        return row
+
+    def resolve_many(
+        self, data: bytes, starts: Positions, ends: Positions, registered: Callable[[ua.NodeId], ua.NodeId]
+    ) -> tuple[Positions, bool] | None:
+        """The rows of NodeIds in ``data``, ``UNKNOWN_NODE`` where there is none; and whether a handle is among them.
+
+        None: asyncua must decide. Each piece is looked up as it is, so a row means that it is one whole NodeId.
+        """
+        self.refresh()
+        removals = self._gateway.table.removals
+        rows = self._shelves.rows(data, starts, ends - starts)
+        has_handles = False
+        for n in np.flatnonzero(rows == MISSING).tolist():
+            encoded = data[starts[n] : ends[n]]
+            row = self._look_up(encoded, registered)
+            if row == FOREIGN:
+                return None
+            if encoded[0] != TEXT:
+                has_handles = True
+            elif row >= 0:
+                self._shelves.learn(encoded, row)
+            rows[n] = row
+        # Making one dynamic item may have ended another.
+        return (rows, has_handles) if self._gateway.table.removals == removals else None
+
+    def _look_up(self, encoded: bytes, registered: Callable[[ua.NodeId], ua.NodeId]) -> int:
         text = _item_name(encoded)
         if text is not None:
             row = self._gateway.find(text)
             if row is None:
                 exists = self._space.find(ua.NodeId(ua.String(text), ua.Int16(ITEMS))) is not None
                 return FOREIGN if exists else UNKNOWN_NODE
-            if len(encoded) <= MAX_NAME:
-                if len(self._names) >= MAX_NAMES:
-                    self._names.clear()
-                self._names[encoded] = row
             return row
         handle = _handle(encoded)
         if handle is not None:
@@ -135,7 +165,10 @@ class Lookup:
 
     def stations(self, rows: Rows) -> list[Station]:
         """The PLCs of some rows. After :meth:`flags`."""
-        return [self._stations[n] for n in dict.fromkeys(self._station[rows].tolist())]
+        numbers = self._station[rows]
+        if len(numbers) and (numbers == numbers[0]).all():
+            return [self._stations[numbers[0]]]
+        return [self._stations[n] for n in np.unique(numbers).tolist()]
 
     def variant_type(self, row: int) -> int:
         """The same of one row. After :meth:`fact`."""
@@ -191,7 +224,7 @@ def _item_name(encoded: bytes) -> str | None:
     if len(encoded) < _HEAD:
         return None
     kind, namespace, length = _STRING_HEAD.unpack_from(encoded)
-    if kind != 3 or namespace != ITEMS or length != len(encoded) - _HEAD:
+    if kind != TEXT or namespace != ITEMS or length != len(encoded) - _HEAD:
         return None
     try:
         return encoded[_HEAD:].decode()

@@ -21,6 +21,7 @@ from asyncua.ua.ua_binary import nodeid_to_binary
 
 from pcaccess.gateway.gateway import Gateway
 from pcaccess.items.ticks import TICKS_PER_SECOND
+from pcaccess.opcua.fast.bulkwrites import BulkWrite
 from pcaccess.opcua.fast.channel import Channel
 from pcaccess.opcua.fast.frames import (
     READ_REQUEST,
@@ -34,7 +35,8 @@ from pcaccess.opcua.fast.frames import (
 from pcaccess.opcua.fast.lookup import Lookup
 from pcaccess.opcua.fast.readplans import ReadPlan
 from pcaccess.opcua.fast.reads import Reads
-from pcaccess.opcua.fast.writes import WriteRequest, Writes
+from pcaccess.opcua.fast.writerequest import WriteRequest
+from pcaccess.opcua.fast.writes import Writes
 from pcaccess.opcua.ids import standard
 from pcaccess.opcua.limits import MAX_MESSAGE
 from pcaccess.opcua.sessions import Session
@@ -175,11 +177,20 @@ class FastPath:
         if done is not None:
             return call.done(WRITE_RESPONSE, done, now)
         call.accept()
-        return lambda: self._write_later(call, request)
+        removals = self._plane.gateway.table.removals
+        return lambda: self._write_later(call, session, body, request, removals)
 
-    async def _write_later(self, call: _Call, request: WriteRequest) -> bytes:
-        done = await self._plane.writes.write(request)
-        return call.reply(WRITE_RESPONSE, done, self._plane.gateway.now())
+    async def _write_later(
+        self, call: _Call, session: Session, body: bytes, request: WriteRequest | BulkWrite, removals: int
+    ) -> bytes:
+        plane, wanted = self._plane, request
+        if plane.gateway.table.removals != removals:  # it waited, and a row may be another item now
+            again = plane.writes.parse(body, session.registered)
+            if again is None:
+                return call.fault(StatusCodes.BadInvalidState, plane.gateway.now())
+            wanted = again
+        done = await plane.writes.write(wanted)
+        return call.reply(WRITE_RESPONSE, done, plane.gateway.now())
 
 
 class _Call:

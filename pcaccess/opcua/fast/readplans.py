@@ -33,6 +33,10 @@ _CUTS: Final = (8, 8, 0, 16)
 """Bytes at the end of a record that each TimestampsToReturn leaves out; Server alone takes Source's place."""
 
 
+Found = Sequence[int] | NDArray[np.int64]
+"""Rows, negative for unknown nodes."""
+
+
 def _refusal(status: int) -> bytes:
     return struct.pack("<BI", MASK_STATUS, status)
 
@@ -127,10 +131,10 @@ class SmallPlan(ReadPlan):
 class BulkPlan(ReadPlan):
     """Many values: where each byte of the reply comes from."""
 
-    def __init__(self, times: int, found: Sequence[int], lookup: Lookup, table: ItemTable) -> None:
+    def __init__(self, times: int, found: Found, lookup: Lookup, table: ItemTable) -> None:
         """``found``: rows, negative for unknown nodes."""
         super().__init__(times, table)
-        places = np.array(found, np.int64)
+        places = np.asarray(found, np.int64)
         is_known = places >= 0
         known = places if is_known.all() else places[is_known]
         flags = lookup.flags(known)
@@ -205,6 +209,8 @@ class BulkPlan(ReadPlan):
         return b"".join((*parts, taken[before:], _NO_DIAGNOSTICS))
 
 
-def make_plan(times: int, found: Sequence[int], lookup: Lookup, table: ItemTable) -> ReadPlan:
+def make_plan(times: int, found: Found, lookup: Lookup, table: ItemTable) -> ReadPlan:
     """A plan of the kind that suits the number of values."""
-    return (SmallPlan if len(found) <= SMALL else BulkPlan)(times, found, lookup, table)
+    if len(found) <= SMALL:
+        return SmallPlan(times, [int(row) for row in found], lookup, table)
+    return BulkPlan(times, found, lookup, table)

@@ -14,10 +14,12 @@ import struct
 from collections.abc import Callable
 from typing import Final
 
+import numpy as np
 from asyncua import ua
 
 from pcaccess.gateway.gateway import Gateway
-from pcaccess.opcua.fast.lookup import FOREIGN, Lookup
+from pcaccess.opcua.fast.columns import Marker, Positions
+from pcaccess.opcua.fast.lookup import FOREIGN, TEXT, Lookup
 from pcaccess.opcua.fast.plans import Plans
 from pcaccess.opcua.fast.readplans import ReadPlan, make_plan
 from pcaccess.opcua.limits import MAX_NODES_PER_READ
@@ -26,6 +28,10 @@ _MAX_AGE: Final = struct.Struct("<d")
 _HEAD: Final = struct.Struct("<ii")
 _PLAIN: Final = b"\x0d\x00\x00\x00\xff\xff\xff\xff\x00\x00\xff\xff\xff\xff"
 """Value attribute, null index range, null data encoding: what follows each NodeId of a plain request."""
+
+_MARKER: Final = Marker(_PLAIN)
+_MANY: Final = 32
+"""From so many nodes on columns are worth their cost."""
 
 Registered = Callable[[ua.NodeId], ua.NodeId]
 
@@ -81,26 +87,29 @@ class Reads:
         times, count = _HEAD.unpack_from(asked)
         if not (0 <= times <= 3 and 0 < count <= MAX_NODES_PER_READ):
             return None
+        found = self._find_few(asked, count, registered) if count < _MANY else self._find_many(asked, count, registered)
+        if found is None:
+            return None
+        rows, has_handles = found
+        plan = make_plan(times, rows, self._lookup, self._table)
+        plan.owner = session if has_handles else None
+        return plan
+
+    def _find_many(self, asked: bytes, count: int, registered: Registered) -> tuple[Positions, bool] | None:
+        ends = _MARKER.positions(asked, _HEAD.size, count)
+        if ends is None or ends[-1] + len(_PLAIN) != len(asked):
+            return None
+        starts = np.empty_like(ends)
+        starts[0], starts[1:] = _HEAD.size, ends[:-1] + len(_PLAIN)
+        return None if (starts >= ends).any() else self._lookup.resolve_many(asked, starts, ends, registered)
+
+    def _find_few(self, asked: bytes, count: int, registered: Registered) -> tuple[list[int], bool] | None:
         encoded = asked[_HEAD.size :].split(_PLAIN)
         if len(encoded) != count + 1 or encoded.pop():
             return None
         self._lookup.refresh()
         removals = self._table.removals
-        known = self._lookup.rows(encoded)
-        owner = None
-        found: list[int] = known  # type: ignore[assignment]
-        if None in known:
-            for n, row in enumerate(known):
-                if row is not None:
-                    continue
-                resolved = self._lookup.resolve(encoded[n], registered)
-                if resolved == FOREIGN:
-                    return None
-                if encoded[n][0] != 3:
-                    owner = session
-                found[n] = resolved
-            if self._table.removals != removals:  # making one dynamic item ended another
-                return None
-        plan = make_plan(times, found, self._lookup, self._table)
-        plan.owner = owner
-        return plan
+        rows = [self._lookup.resolve(node, registered) for node in encoded]
+        if FOREIGN in rows or self._table.removals != removals:  # making one dynamic item ended another
+            return None
+        return rows, any(node[0] != TEXT for node in encoded)
