@@ -153,23 +153,23 @@ class BulkPlan(ReadPlan):
     def _arrange(self, places: NDArray[np.int64], readable: NDArray[np.bool_]) -> None:
         """Records are copied side by side by kind, then an index puts their bytes in order."""
         positions = np.flatnonzero(readable)
-        kinds, at_place = self._table.places(places[positions])
+        kinds, at_place = self._table.places(places if len(positions) == len(places) else places[positions])
         starts, lengths = np.zeros(len(places), np.int64), np.zeros(len(places), np.int64)
         self._parts: list[tuple[NDArray[np.void], NDArray[np.int64], NDArray[np.void], int]] = []
         regions: list[tuple[int, NDArray[np.int64], int]] = []
         at = 0
         for kind in np.flatnonzero(np.bincount(kinds, minlength=len(LAYOUTS))).tolist():
-            of_kind = kinds == kind
             if kind == OBJECT_KIND.index:
                 continue
-            size, number = LAYOUTS[kind].size, int(of_kind.sum())
+            of_kind = np.flatnonzero(kinds == kind)
+            size, number = LAYOUTS[kind].size, len(of_kind)
             where = positions[of_kind]
             starts[where] = np.arange(at, at + number * size, size)
             lengths[where] = size - _CUTS[self._times]
             regions.append((kind, at_place[of_kind], at))
             at += number * size
         constants = b""
-        for position in np.flatnonzero(~readable).tolist():
+        for position in np.flatnonzero(~readable).tolist() if len(positions) < len(places) else ():
             refusal = _UNKNOWN if places[position] < 0 else _NOT_READABLE
             offset = constants.find(refusal)
             if offset < 0:

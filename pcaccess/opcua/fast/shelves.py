@@ -1,6 +1,7 @@
 """Rows of many encoded NodeIds at once: one shelf for each length, sorted by a hash of the bytes.
 
-What is found is compared byte for byte, so a hash that two names share costs time and nothing else.
+In a plain request each NodeId is followed by the same bytes (``BEHIND``), which fill it up to whole words. What is
+found is compared word for word, so a hash that two names share costs time and nothing else.
 """
 
 from __future__ import annotations
@@ -15,8 +16,11 @@ from pcaccess.opcua.fast.columns import Positions, windows
 MISSING: Final = -3
 """Not on a shelf."""
 
-_FACTOR: Final = np.uint64(0x9E3779B97F4A7C15)
+BEHIND: Final = b"\x0d\x00\x00\x00\xff\xff\xff\xff"
+"""Value attribute, null index range."""
+
 _HALF: Final = np.uint64(32)
+_WORD: Final = 8
 
 
 class Shelves:
@@ -44,7 +48,7 @@ class Shelves:
         self._shelves.setdefault(len(encoded), _Shelf(len(encoded))).add(encoded, row)
 
     def rows(self, data: bytes, starts: Positions, lengths: Positions) -> Positions:
-        """The row of each NodeId that lies in ``data``, or MISSING."""
+        """The row of each NodeId that lies in ``data`` with ``BEHIND`` after it, or MISSING."""
         first = int(lengths[0])
         if (lengths == first).all():
             return self._rows_of(data, starts, first)
@@ -58,27 +62,33 @@ class Shelves:
         shelf = self._shelves.get(length)
         if shelf is None:
             return np.full(len(starts), MISSING, np.int64)
-        return shelf.rows(windows(data, f"V{length}")[starts])
+        return shelf.rows(windows(data, f"V{shelf.size}")[starts])
 
 
 class _Shelf:
     """NodeIds of one length."""
 
     def __init__(self, length: int) -> None:
-        self._kind = np.dtype(f"V{length}")
+        width = -(-length // _WORD)
+        self.size = width * _WORD
+        """Bytes of a NodeId and what fills it up."""
+        self._filling = BEHIND[: self.size - length]
+        self._factors = np.random.default_rng(length).integers(0, 1 << 63, width, np.uint64) * np.uint64(2) + np.uint64(
+            1
+        )
         self._new: dict[bytes, int] = {}
         self._hashes: NDArray[np.uint64] = np.zeros(0, np.uint64)
-        self._names: NDArray[Any] = np.zeros(0, self._kind)
+        self._names: NDArray[Any] = np.zeros(0, f"V{self.size}")
         self._rows: Positions = np.zeros(0, np.int64)
 
     def add(self, encoded: bytes, row: int) -> None:
-        self._new[encoded] = row
+        self._new[encoded + self._filling] = row
 
     def _sort_in(self) -> None:
-        new = np.frombuffer(b"".join(self._new), self._kind)
+        new = np.frombuffer(b"".join(self._new), self._names.dtype)
         rows = np.fromiter(self._new.values(), np.int64, len(self._new))
         self._new = {}
-        hashes = np.concatenate((self._hashes, _hashes(new)))
+        hashes = np.concatenate((self._hashes, self._hash(_words(new))))
         order = np.argsort(hashes, kind="stable")
         self._hashes = hashes[order]
         self._names = np.concatenate((self._names, new))[order]
@@ -87,29 +97,19 @@ class _Shelf:
     def rows(self, names: NDArray[Any]) -> Positions:
         if self._new:
             self._sort_in()
-        at = np.minimum(self._hashes.searchsorted(_hashes(names)), len(self._hashes) - 1)
-        same = _octets(self._names.take(at)) == _octets(names)
-        rows = self._rows.take(at)
+        words = _words(names)
+        at = self._hashes.searchsorted(self._hash(words))
+        same = _words(self._names.take(at, mode="clip")) == words
+        rows = self._rows.take(at, mode="clip")
         if not same.all():
             rows[~same.all(axis=1)] = MISSING
         return rows
 
+    def _hash(self, words: NDArray[np.uint64]) -> NDArray[np.uint64]:
+        """Multilinear; the upper half of a word is folded into the lower, where a factor spreads it."""
+        hashes: NDArray[np.uint64] = (words ^ (words >> _HALF)) @ self._factors
+        return hashes
 
-def _octets(names: NDArray[Any]) -> NDArray[np.uint8]:
-    return names.view(np.uint8).reshape(len(names), -1)
 
-
-def _hashes(names: NDArray[Any]) -> NDArray[np.uint64]:
-    """Of each name, over words of eight bytes."""
-    octets = _octets(names)
-    length = octets.shape[1]
-    padded = np.zeros((len(names), (length + 7) // 8 * 8), np.uint8)
-    padded[:, :length] = octets
-    words = padded.view("<u8").T.copy()
-    total: NDArray[np.uint64] = words[0] * _FACTOR
-    total ^= total >> _HALF
-    for word in words[1:]:
-        total ^= word
-        total *= _FACTOR
-        total ^= total >> _HALF
-    return total
+def _words(names: NDArray[Any]) -> NDArray[np.uint64]:
+    return names.view("<u8").reshape(len(names), -1)
