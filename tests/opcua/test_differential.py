@@ -271,6 +271,82 @@ async def test_writes_are_answered_alike_and_leave_the_same(tmp_path: Path, mode
         assert used > 60
 
 
+def many_places(dice: random.Random) -> list[tuple[str, ua.VariantType]]:
+    """Run-time names of places that do not overlap, of all lengths and types; in any order."""
+    places = []
+    for n in range(dice.choice([16, 40, 200])):
+        at = 2000 + 8 * n
+        kind, text = dice.choice(
+            [
+                (ua.VariantType.Boolean, f"V{at}.{n % 8},BOOL"),
+                (ua.VariantType.SByte, f"VB{at},CHAR"),
+                (ua.VariantType.Byte, f"VB{at},BYTE"),
+                (ua.VariantType.Int16, f"VW{at},INT"),
+                (ua.VariantType.UInt16, f"VW{at},WORD"),
+                (ua.VariantType.Int32, f"VD{at},DINT"),
+                (ua.VariantType.UInt32, f"VD{at},DWORD"),
+                (ua.VariantType.Float, f"VD{at},REAL"),
+            ]
+        )
+        places.append((f"ns=2;s=2,{text}", kind))
+    dice.shuffle(places)
+    return places
+
+
+@pytest.mark.parametrize("mode", MODES, ids=lambda m: m.name)
+async def test_bulk_requests_are_answered_alike_and_leave_the_same(tmp_path: Path, mode: Security) -> None:
+    """Many nodes of one request, registered ones and unknown ones among them, in another order each time."""
+    dice = random.Random(13)
+    async with plant(tmp_path, mode) as running:
+        client, driver = running.client, running.gateway.driver("MicroWin")
+        memory = driver._plcs["MicroWin.NewPLC"].memory
+        handles = [
+            node.nodeid
+            for node in await client.register_nodes([client.get_node(f"ns=2;s={PLC}{item}") for item in ITEMS[:5]])
+        ]
+        for turn in range(30):
+            running.clock.move(0.05)
+            places = many_places(dice)
+            refused = turn % 3 == 0
+            writes = []
+            for name, kind in places:
+                given = dice.choice(sorted(KINDS.values())) if refused and dice.random() < 0.1 else kind
+                value = ua.DataValue(ua.Variant(any_value(dice, given), given))
+                if dice.random() < 0.2:
+                    value = ua.DataValue(value.Value, ua.StatusCode(0), datetime(2026, 1, 1, tzinfo=UTC))
+                writes.append(ua.WriteValue(node_id(name), ua.AttributeIds.Value, None, value))
+            if refused:
+                extra = ua.DataValue(ua.Variant(1, ua.VariantType.Int16))
+                for name in ("ns=2;s=MicroWin.NewPLC.Nothing", f"ns=2;s={PLC}Input", "ns=2;s=MicroWin.Dead.Value"):
+                    writes.insert(
+                        dice.randrange(len(writes)),
+                        ua.WriteValue(node_id(name), ua.AttributeIds.Value, None, extra),
+                    )
+            before, answered = bytes(memory), running.plane.answered
+            fast = await client.uaclient.write(ua.WriteParameters(writes))
+            assert running.plane.answered > answered
+            after = bytes(memory)
+            memory[:] = before
+            driver.show()
+            await running.without()
+            slow = await client.uaclient.write(ua.WriteParameters(writes))
+            await running.with_plane()
+            assert fast == slow
+            assert after == bytes(memory)
+
+            nodes = [node_id(name) for name, _ in places] + [node_id(f"ns=2;s={PLC}{item}") for item in ITEMS]
+            nodes += [*handles, node_id("ns=2;s=MicroWin.NewPLC.Nothing"), node_id("ns=2;s=2,VB300,STRING")]
+            dice.shuffle(nodes)
+            params = ua.ReadParameters(
+                0.0,
+                ua.TimestampsToReturn(dice.randrange(4)),
+                [ua.ReadValueId(node, ua.AttributeIds.Value) for node in nodes],
+            )
+            read, stock, used = await running.both(client.uaclient.read, params)
+            assert used
+            assert list(map(plain, read)) == list(map(plain, stock))
+
+
 async def test_a_large_reply_comes_in_chunks_alike(tmp_path: Path) -> None:
     async with plant(tmp_path, Security.SignAndEncrypt) as running:
         names = [f"ns=2;s=2,VB{n},STRING" for n in range(900)]
