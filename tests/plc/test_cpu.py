@@ -333,6 +333,17 @@ def test_a_written_input_raises_its_event_too(bench: MakeBench) -> None:
     assert plc.word("VW0") == 1
 
 
+def test_an_interrupt_routine_is_not_interrupted(bench: MakeBench) -> None:
+    """The second event waits until the first one's routine has ended, although that one polls."""
+    second = "INTERRUPT_BLOCK INT_1:INT1\nTITLE=\nBEGIN\nNETWORK 1\nLD SM0.0\nMOVW 2, VW0\nEND_INTERRUPT_BLOCK\n"
+    first = INPUTS.format(event=0).replace("ENI", "ATCH INT_1, 2\nENI").replace("INCW VW0", "MOVW 1, VW0")
+    plc = bench(first + second)
+    plc.scan()
+    plc.cpu.set_inputs(b"\x03")
+    plc.scan(after=10, load=5)
+    assert plc.word("VW0") == 2
+
+
 def test_an_event_queue_that_overflows_is_told_in_the_routine(bench: MakeBench) -> None:
     plc = bench(TIMED.replace("LD SM0.0\nINCW VW0", "LD SM4.2\n= M0.0\nLD SM0.0\nINCW VW0"))
     plc.scan()

@@ -71,9 +71,10 @@ def test_wdr_without_end_is_no_way_around_the_clock(bench: MakeBench, make: Make
 
 
 def test_wdr_without_end_is_no_way_around_the_budget(bench: MakeBench, make: MakeExecutor) -> None:
-    plc = bench(PATIENT, loop_budget=100, make_executor=make)
+    plc = bench(PATIENT.replace("WDR", "INCW VW0\nWDR"), loop_budget=100, make_executor=make)
     plc.scan()
-    assert (plc.cpu.mode, str(plc.cpu.fatal)[:20]) == (Mode.STOP, "test.awl:5:1: 0003 s")
+    assert (plc.cpu.mode, str(plc.cpu.fatal)[:20]) == (Mode.STOP, "test.awl:6:1: 0003 s")
+    assert plc.word("VW0") == 100 * (RESETS + 1)
 
 
 def test_calls_count_like_jumps(bench: MakeBench, make: MakeExecutor) -> None:
