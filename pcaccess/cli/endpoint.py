@@ -12,6 +12,7 @@ from typing import Final
 import yaml
 
 from pcaccess.project.model import Server
+from pcaccess.project.network import DEFAULT_WEB, NetworkError, check_web
 
 PROJECT_FILE: Final = "items.yaml"
 DEFAULT_ENDPOINT: Final = Server().endpoint
@@ -19,15 +20,27 @@ DEFAULT_ENDPOINT: Final = Server().endpoint
 
 def default_url(project: Path | None = None) -> str:
     """The endpoint in the project file; the usual one when there is no file or it does not say."""
+    return _skim(project, "endpoint") or DEFAULT_ENDPOINT
+
+
+def default_web(project: Path | None = None) -> str | None:
+    """``host:port`` of the web server in the project file, as above; None where it is off."""
+    try:
+        return check_web(_skim(project, "web") or DEFAULT_WEB)
+    except NetworkError:
+        return DEFAULT_WEB
+
+
+def _skim(project: Path | None, key: str) -> str | None:
     try:
         with (project or Path(PROJECT_FILE)).open(encoding="utf-8-sig") as file:
-            return _endpoint(file.read()) or DEFAULT_ENDPOINT
+            return _of_server(file.read(), key)
     except (OSError, UnicodeDecodeError):
-        return DEFAULT_ENDPOINT
+        return None
 
 
-def _endpoint(text: str) -> str | None:
-    """``server: endpoint:`` of a YAML text, found without reading further than that."""
+def _of_server(text: str, key: str) -> str | None:
+    """``server: KEY:`` of a YAML text, found without reading further than that."""
     keys: list[str | None] = []
     """Of the mappings we are in: the key whose value comes next, None where a key comes next."""
     depth = 0
@@ -51,7 +64,7 @@ def _endpoint(text: str) -> str | None:
                 word = event.value if isinstance(event, yaml.ScalarEvent) else ""
                 if keys[-1] is None:
                     keys[-1] = word
-                elif keys == ["server", "endpoint"]:
+                elif keys == ["server", key]:
                     return word or None
                 else:
                     keys[-1] = None

@@ -14,7 +14,7 @@ import typer
 from typer.core import TyperGroup
 
 from pcaccess import __version__
-from pcaccess.cli import check, client, control, exchange, plc, run
+from pcaccess.cli import check, client, control, exchange, plc, run, sheet
 from pcaccess.cli.failures import Failed
 from pcaccess.cli.output import complain, show_problems
 from pcaccess.cli.streams import NO_READER, NoReader, finish, prepare, put
@@ -68,6 +68,7 @@ app.command()(control.reload)
 app.command("import")(exchange.import_)
 app.command()(exchange.export)
 app.add_typer(plc.app, name="plc")
+app.add_typer(sheet.app, name="sheet")
 
 
 def main() -> None:
