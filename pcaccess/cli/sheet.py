@@ -118,6 +118,68 @@ def formulas(
         typer.echo("\t".join(make(entry) for make in columns.values()))
 
 
+@app.command()
+def collect(
+    book: Annotated[Path, typer.Argument(help="The workbook (.xlsx); made when it does not exist.")],
+    group: Group = None,
+    items: Items = None,
+    every: Annotated[str, typer.Option(help="Time between two rows.")] = "1s",
+    period: Annotated[str | None, typer.Option("--for", help="End after a time such as 10min.", metavar="TIME")] = None,
+    rows: Annotated[
+        int, typer.Option(min=1, max=1_000_000, help="Rows in one workbook; the next is BOOK-2.xlsx.")
+    ] = 200_000,
+    url: Web = None,
+    as_json: AsJson = False,
+) -> None:
+    """Fill a workbook with values, qualities and time stamps, a row at a time, with a chart; Excel need not be there.
+
+    Every row is on the disk at once, in BOOK.xlsx.journal, and in the workbook about twice a minute and at the end. A
+    workbook that exists gets further rows of its own items. Ctrl-C ends it and saves.
+    """
+    from pcaccess.cli.collecting import chosen_again
+    from pcaccess.cli.collecting import collect as run
+    from pcaccess.sheet.choosing import choose
+    from pcaccess.sheet.client import GatewayClient
+    from pcaccess.sheet.entries import SheetError
+    from pcaccess.sheet.sources import GatewaySource
+
+    _kind(book, ".xlsx")
+    interval = duration(every) or 1.0
+    try:
+        source = GatewaySource(GatewayClient(gateway_url(url, None)))
+        again = chosen_again(book, source) if group is None and not items else None
+        chosen = again or choose(source, group, items or [])
+        done = run(book, source, chosen, interval, duration(period), rows)
+    except SheetError as error:
+        raise Failed(str(error)) from None
+    if as_json:
+        books = [str(path) for path in done.books]
+        json_line({"files": books, "rows": done.rows, "items": done.items, "missed": done.missed})
+    else:
+        names = ", ".join(map(str, done.books)) or str(book)
+        missed = f", {done.missed:,} missed" if done.missed else ""
+        show(f"{names}: {done.rows:,} rows of {counted({'items': done.items}, 'items')}{missed}", meaning="good")
+    if done.failure is not None:
+        raise Failed(done.failure)
+
+
+@app.command()
+def merge(
+    book: Annotated[Path, typer.Argument(help="The workbook whose journal was left behind.")],
+    rows: Annotated[int, typer.Option(min=1, max=1_000_000, help="Rows in one workbook.")] = 200_000,
+) -> None:
+    """Put rows that wait in BOOK.xlsx.journal into the workbook, after a crash or while it was open elsewhere."""
+    from pcaccess.cli.collecting import merge as run
+    from pcaccess.clock import SystemClock
+    from pcaccess.sheet.entries import SheetError
+
+    try:
+        count = run(book, SystemClock().now(), rows)
+    except SheetError as error:
+        raise Failed(str(error)) from None
+    show(f"{book}: {counted({'rows': count}, 'rows') or 'no rows were missing'}", meaning="good")
+
+
 def source_of(project: Path | None, url: str | None, max_size: int | None) -> Source:
     """A gateway when it is named without a project file, otherwise the project file; raises SheetError."""
     from pcaccess.sheet.client import GatewayClient, check_gateway

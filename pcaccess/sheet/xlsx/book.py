@@ -43,6 +43,8 @@ def xlsx_book(title: str, gateway: str, chosen: Chosen, now: datetime) -> bytes:
     _write(workbook.create_sheet("Write"), chosen.writable)
     _query(workbook.create_sheet("Power Query"), gateway + source_path(chosen))
     _help(workbook.create_sheet("Help"))
+    for sheet in workbook.worksheets:
+        looks.printable(sheet)
     buffer = io.BytesIO()
     workbook.save(buffer)
     return buffer.getvalue()

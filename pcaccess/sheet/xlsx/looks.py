@@ -7,6 +7,7 @@ from typing import Any, Final
 from openpyxl.formatting.rule import Rule
 from openpyxl.styles import Alignment, Border, Font, PatternFill, Side
 from openpyxl.styles.differential import DifferentialStyle
+from openpyxl.worksheet.properties import PageSetupProperties
 from openpyxl.worksheet.worksheet import Worksheet
 
 DARK: Final = "1F4E5F"
@@ -23,6 +24,14 @@ TIME_FORMAT: Final = "yyyy-mm-dd hh:mm:ss"
 _BAD: Final = DifferentialStyle(Font(bold=True, color="A01522"), fill=PatternFill("solid", bgColor="F9D6D9"))
 _UNCERTAIN: Final = DifferentialStyle(Font(color="7A5600"), fill=PatternFill("solid", bgColor="FFF0C2"))
 _GOOD: Final = DifferentialStyle(Font(color="1B6E3C"), fill=PatternFill("solid", bgColor="DFF3E4"))
+
+
+def printable(sheet: Worksheet) -> None:
+    """Landscape and one page wide."""
+    sheet.page_setup.orientation = "landscape"
+    sheet.page_setup.paperSize = 9  # A4
+    sheet.page_setup.fitToHeight = 0
+    sheet.sheet_properties.pageSetUpPr = PageSetupProperties(fitToPage=True)
 
 
 def title(sheet: Worksheet, text: str, note: str = "") -> None:
