@@ -47,12 +47,12 @@ def calc_time(key: str) -> str:
 def excel_value(entry: Entry) -> str:
     """A number where the item is one, else the text. NUMBERVALUE reads a point as decimal sign in every language."""
     text = _webservice(entry, "value")
-    return f'IFERROR(NUMBERVALUE({text},".",","),"")' if entry.is_number else f'IFERROR({text},"")'
+    return f'IFERROR(_xlfn.NUMBERVALUE({text},".",","),"")' if entry.is_number else f'IFERROR({text},"")'
 
 
 def excel_quality(entry: Entry) -> str:
     """COMM_FAILURE (24) when the gateway does not answer."""
-    return f'IFERROR(NUMBERVALUE({_webservice(entry, "quality")},".",","),24)'
+    return f'IFERROR(_xlfn.NUMBERVALUE({_webservice(entry, "quality")},".",","),24)'
 
 
 def _webservice(entry: Entry, what: str) -> str:

@@ -301,7 +301,15 @@ async def test_csv_of_items_by_name_and_by_pattern(web: Served) -> None:
     ]
     by_pattern = await web.get("/api/items.csv?filter=*.f*")
     assert [line[0] for line in csv.reader(io.StringIO(by_pattern.text))][1:] == ["MicroWin.P.Fixed", "MicroWin.P.Flow"]
-    assert (await web.get("/api/items.csv?id=Nope")).status_code == 404
+
+
+async def test_csv_has_a_line_for_an_item_that_is_gone(web: Served) -> None:
+    text = (await web.get("/api/items.csv?id=Nope&id=MicroWin.P.Level&id=MicroWin.P.Secret")).text
+    assert [line[:4] for line in csv.reader(io.StringIO(text))][1:] == [
+        ["Nope", "", "4", "CONFIG_ERROR"],
+        ["MicroWin.P.Level", "0", "192", "GOOD"],
+        ["MicroWin.P.Secret", "", "4", "CONFIG_ERROR"],
+    ]
 
 
 async def test_write_only_items_are_not_shown(web: Served) -> None:

@@ -50,20 +50,8 @@ End Function
 Function Chosen(sTitle As String, sHint As String, bWritable As Boolean, ByRef sWhat As String) As Variant
 	' The items that were chosen, none when somebody thought better of it. sWhat: which formulas, a letter each.
 	Dim aPlaces As Variant, aItems() As String, n As Long, aBoxes As Variant
-	DialogLibraries.loadLibrary("Standard")
-	gDialog = CreateUnoDialog(DialogLibraries.getByName("Standard").getByName("Wizard"))
-	gDialog.Title = sTitle
-	gWritable = bWritable
-	gDialog.getControl("Hint").Text = sHint
+	OpenWizard(sTitle, sHint, bWritable)
 	aBoxes = Array("I", "V", "U", "Q", "N", "T")
-	If bWritable Then
-		For n = 0 To UBound(aBoxes)
-			gDialog.getControl("What" & aBoxes(n)).Visible = False
-		Next n
-		gDialog.getControl("Titles").Visible = False
-		gDialog.getControl("Columns").Visible = False
-	End If
-	WizardSearch()
 	Chosen = Array()
 	If gDialog.execute() = 1 Then
 		aPlaces = gDialog.getControl("Found").SelectedItemsPos
@@ -81,6 +69,24 @@ Function Chosen(sTitle As String, sHint As String, bWritable As Boolean, ByRef s
 		Next n
 	End If
 	gDialog.dispose()
+End Function
+
+Function OpenWizard(sTitle As String, sHint As String, bWritable As Boolean) As Variant
+	' The dialog, filled but not shown; the lines of its list.
+	Dim aBoxes As Variant, n As Long
+	DialogLibraries.loadLibrary("Standard")
+	gDialog = CreateUnoDialog(DialogLibraries.getByName("Standard").getByName("Wizard"))
+	gDialog.Title = sTitle
+	gWritable = bWritable
+	gDialog.getControl("Hint").Text = sHint
+	If bWritable Then
+		aBoxes = Array("WhatI", "WhatV", "WhatU", "WhatQ", "WhatN", "WhatT", "Titles", "Columns")
+		For n = 0 To UBound(aBoxes)
+			gDialog.getControl(aBoxes(n)).Visible = False
+		Next n
+	End If
+	WizardSearch()
+	OpenWizard = gDialog.getControl("Found").Items
 End Function
 
 Sub WizardSearch
@@ -146,7 +152,7 @@ Function InsertFormulas(oAt As Object, aItems As Variant, sWhat As String) As St
 	sLetters = Replace(sWhat, "H", "")
 	If sLetters = "" Then sLetters = "V"
 	oFirst = oSheet.getCellRangeByPosition(nColumn, nRow, nColumn + Len(sLetters) - 1, nRow + UBound(aItems) + Len(sWhat) - Len(sLetters))
-	If oFirst.queryContentCells(1 + 2 + 4 + 16).Count > 0 Then
+	If Not IsBlank(oFirst) Then
 		InsertFormulas = "There is something in " & CellName(oAt) & " or the cells below and beside it. Choose an empty place."
 		Exit Function
 	End If
@@ -165,6 +171,17 @@ Function InsertFormulas(oAt As Object, aItems As Variant, sWhat As String) As St
 		Next nLetter
 	Next n
 	InsertFormulas = ""
+End Function
+
+Function IsBlank(oRange As Object) As Boolean
+	Dim aRows As Variant, nRow As Long, nColumn As Long
+	aRows = oRange.getFormulaArray()
+	For nRow = 0 To UBound(aRows)
+		For nColumn = 0 To UBound(aRows(nRow))
+			If aRows(nRow)(nColumn) <> "" Then Exit Function
+		Next nColumn
+	Next nRow
+	IsBlank = True
 End Function
 
 Function TitleOf(sLetter As String) As String

@@ -96,7 +96,7 @@ def _columns(sheet: Worksheet, entries: Sequence[Entry], colour: str, number_for
     for column, text in enumerate(["Time", *(entry.item_id for entry in entries)], start=1):
         looks.head_cell(sheet.cell(1, column, text))
         width = sheet.column_dimensions[column_letters(column)]
-        width.width = 24 if column == 1 or number_format else max(14, min(34, len(text) * 0.75))
+        width.width = 24 if column == 1 or number_format else max(14, min(40, len(text) * 1.25))
         wanted = STAMP if column == 1 else number_format
         if wanted is None and sheet.title == VALUES and (digits := entries[column - 2].decimals) is not None:
             wanted = "0." + "0" * digits if digits else "0"
