@@ -175,7 +175,7 @@ class Office:
 def office(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Office]:
     soffice, python = shutil.which("soffice"), python_with_uno()
     if soffice is None or python is None:
-        pytest.skip("LibreOffice Calc or its Python bindings are missing (tools/apt-packages.txt)")
+        pytest.fail("LibreOffice Calc or its Python bindings are missing: see tools/apt-packages.txt")
     running = Office(soffice, python, tmp_path_factory.mktemp("office"))
     try:
         yield running
