@@ -50,6 +50,8 @@ class ScanningPlc:
         self._told = 0
         self._stopped_by_fault = False
         self._answers: list[asyncio.Future[Outcome]] = []
+        self._ended = False
+        """Nobody scans any more, so nobody would answer."""
         self._exchange: _Exchange | None = None
         self.cpu = Cpu(
             plc.cpu,
@@ -117,6 +119,8 @@ class ScanningPlc:
 
     async def write(self, writes: Sequence[RawWrite]) -> list[Outcome]:
         """Queue the writes; they are taken by the next scan and answered when it is over."""
+        if self._ended:
+            return [Outcome.DEVICE_FAILURE] * len(writes)
         for write in writes:
             if isinstance(write.address, str):
                 raise TypeError(f"{write.address!r} is not an S7-200 address")
@@ -141,8 +145,9 @@ class ScanningPlc:
             log.exception("%s: the CPU failed; its items are no longer good", self.plc.item_id)
             self._sink.lost(self.plc.item_id, Quality.DEVICE_FAILURE)
         finally:
-            self.cpu.close()
+            self._ended = True
             self._answer(Outcome.DEVICE_FAILURE)
+            self.cpu.close()
             if self._exchange is not None:
                 self._exchange.taken.cancel()
 

@@ -157,7 +157,7 @@ class FastPath:
         if not plan.polled:
             return call.done(READ_RESPONSE, reads.reply(plan, now), now)
         call.accept()
-        return lambda: self._read_later(call, session, request, at, plan)
+        return lambda: call.answered(self._read_later(call, session, request, at, plan))
 
     async def _read_later(self, call: _Call, session: Session, request: bytes, at: int, plan: ReadPlan) -> bytes:
         reads = self._plane.reads
@@ -178,7 +178,7 @@ class FastPath:
             return call.done(WRITE_RESPONSE, done, now)
         call.accept()
         removals = self._plane.gateway.table.removals
-        return lambda: self._write_later(call, session, body, request, removals)
+        return lambda: call.answered(self._write_later(call, session, body, request, removals))
 
     async def _write_later(
         self, call: _Call, session: Session, body: bytes, request: WriteRequest | BulkWrite, removals: int
@@ -218,6 +218,14 @@ class _Call:
         """The request is ours from now on."""
         self._plane.answered += 1
         self._channel.accept(self._sequence)
+
+    async def answered(self, work: Awaitable[bytes]) -> bytes:
+        """The reply, whatever becomes of the work: one request must not cost the connection."""
+        try:
+            return await work
+        except Exception:
+            log.exception("a request failed in the data plane")
+            return self.fault(StatusCodes.BadInternalError, self._plane.gateway.now())
 
     def done(self, type_id: bytes, parameters: bytes, now: int) -> bytes:
         """The reply to a request that is done; until here a failure left it to asyncua."""
