@@ -85,11 +85,14 @@ def download(
     A program with errors changes nothing. The project file is not touched: the next start runs what it names.
     """
     from pcaccess.cli.controlling import download as run
+    from pcaccess.stl.text import MAX_BYTES, read
 
     try:
-        content = file.read_bytes()
+        content = read(file)
     except OSError as error:
         raise Failed(f"{file} cannot be opened: {error.strerror}") from None
+    if len(content) > MAX_BYTES:
+        raise Failed(f"{file} has more than {MAX_BYTES:,} bytes; no program is so large")
     done = asyncio.run(run(server_url(url), plc, str(file), content))
     if as_json:
         json_line(done.as_json())

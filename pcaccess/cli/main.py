@@ -38,6 +38,8 @@ class Commands(TyperGroup):
                 complain(line)
         except ProblemError as error:
             show_problems(error.problems, stderr=True)
+        except OSError as error:  # a file that went away or refuses where nobody expects it
+            complain(f"{error.filename}: {error.strerror}" if error.filename else str(error))
         sys.exit(1)
 
 

@@ -72,7 +72,8 @@ def known_encoding(name: str | None) -> str | None:
     if name is not None:
         try:
             codecs.lookup(name)
-        except LookupError:
+            "a".encode(name)  # base64, for example, is one of Python's that is none of texts
+        except (LookupError, UnicodeError):
             raise typer.BadParameter(
                 f"there is no encoding {name!r}; usual ones are utf-8, cp1252, cp1251, gbk"
             ) from None

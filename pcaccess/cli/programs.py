@@ -8,11 +8,11 @@ from typing import Any
 
 import typer
 
-from pcaccess.cli.failures import Failed
 from pcaccess.cli.output import counted
-from pcaccess.problems import Problem
+from pcaccess.problems import Problem, Span
 from pcaccess.s7200.cpu import CpuError, CpuModel, cpu_model
 from pcaccess.stl.checker import check_program
+from pcaccess.stl.problems import STL
 from pcaccess.stl.program import Program
 from pcaccess.stl.reader import ReadResult, read_program
 
@@ -26,11 +26,13 @@ def model_of(name: str) -> CpuModel:
 
 
 def read(path: Path, encoding: str | None) -> ReadResult:
-    """The program in a file, as far as it can be read."""
+    """The program in a file, as far as it can be read; of one that cannot be opened, why."""
     try:
         return read_program(path, encoding=encoding)
     except OSError as error:
-        raise Failed(f"{path} cannot be opened: {error.strerror}") from None
+        message = f"the file cannot be opened: {error.strerror}"
+        span = Span(str(error.filename or path), 1, 1)  # it may be the symbol table beside it
+        return ReadResult(None, (STL.problem("STL001", span, message),))
 
 
 @dataclass(frozen=True, slots=True)

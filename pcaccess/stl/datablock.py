@@ -27,7 +27,7 @@ from pcaccess.stl.constants import ConstantError, Number, parse_number, parse_te
 from pcaccess.stl.lexer import Word, first_word, pieces_of, split_code
 from pcaccess.stl.problems import Collector
 from pcaccess.stl.program import ConstantForm, DataBlock, DataRow, SymbolTable
-from pcaccess.stl.text import NotText, decode
+from pcaccess.stl.text import NotText, decode, read
 
 _BARE: Final = re.compile(r"V(\d{1,6})?", re.IGNORECASE | re.ASCII)
 _FORMATS: Final = {
@@ -57,7 +57,7 @@ def read_data_block(
     """A data block text. Never raises on its content; OSError when it cannot be opened."""
     name = file or (str(data) if isinstance(data, Path) else "data block")
     problems = Collector(name)
-    raw = data.read_bytes() if isinstance(data, Path) else data
+    raw = read(data) if isinstance(data, Path) else data
     try:
         decoded = decode(raw, encoding)
     except NotText as error:

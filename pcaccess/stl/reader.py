@@ -36,7 +36,7 @@ from pcaccess.stl.program import (
     Variable,
 )
 from pcaccess.stl.symbols import parse_symbols, read_symbols
-from pcaccess.stl.text import NotText, decode
+from pcaccess.stl.text import NotText, decode, read
 from pcaccess.stl.unknown import EXPLAINED, report_unknown
 from pcaccess.stl.variables import read_variables
 
@@ -83,7 +83,7 @@ def read_program(
     """
     name = file or (str(data) if isinstance(data, Path) else "program.awl")
     problems = Collector(name)
-    raw = data.read_bytes() if isinstance(data, Path) else data
+    raw = read(data) if isinstance(data, Path) else data
     try:
         decoded = decode(raw, encoding)
     except NotText as error:

@@ -23,7 +23,7 @@ from pcaccess.stl.constants import ConstantError, ascii_value, parse_number, par
 from pcaccess.stl.headers import parse_block_name
 from pcaccess.stl.problems import Collector
 from pcaccess.stl.program import Constant, ConstantForm, PouReference, Symbol, SymbolTable
-from pcaccess.stl.text import NotText, decode
+from pcaccess.stl.text import NotText, decode, read
 
 _NAME: Final = re.compile(r"[^\W\d](?:[\w ]*\w)?")
 _HEADER_WORDS: Final = frozenset({"symbol", "name", "address", "comment", "符号", "地址", "注释"})
@@ -36,7 +36,7 @@ def read_symbols(
     """A symbol table file. Never raises on its content; OSError when it cannot be opened."""
     name = file or (str(data) if isinstance(data, Path) else "symbols")
     problems = Collector(name)
-    raw = data.read_bytes() if isinstance(data, Path) else data
+    raw = read(data) if isinstance(data, Path) else data
     try:
         decoded = decode(raw, encoding)
     except NotText as error:

@@ -13,6 +13,7 @@ from __future__ import annotations
 import codecs
 import re
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Final
 
 from pcaccess.codepage import guess_code_page
@@ -56,10 +57,16 @@ _BOMS: Final = (
 _CONTROL: Final = re.compile(r"[\x00-\x08\x0b\x0e-\x19\x1b-\x1f\x7f]")
 
 
+def read(path: Path) -> bytes:
+    """The file, as far as :func:`decode` would take it: a device may have no end. Raises OSError."""
+    with path.open("rb") as file:
+        return file.read(MAX_BYTES + 1)
+
+
 def decode(data: bytes, encoding: str | None = None) -> Decoded:
     """The text with line ends as ``\\n``. Raises NotText; LookupError when there is no such encoding."""
     if len(data) > MAX_BYTES:
-        raise NotText(f"the file has {len(data)} bytes; a program has at most {MAX_BYTES}")
+        raise NotText(f"the file has more than {MAX_BYTES:,} bytes; no program is so large")
     for magic, what in _MAGIC:
         if data.startswith(magic):
             raise NotText(what)

@@ -123,8 +123,21 @@ def test_what_is_no_program_is_told(folder: Path, content: bytes) -> None:
 @pytest.mark.parametrize("command", [("check",), ("list",), ("run",)])
 def test_a_missing_file_is_told(folder: Path, command: tuple[str, ...]) -> None:
     outcome = invoke("plc", *command, "missing.awl")
-    assert (outcome.code, outcome.out) == (1, "")
-    assert outcome.err == "pcaccess: missing.awl cannot be opened: No such file or directory\n"
+    told = "missing.awl:1:1: STL001 the file cannot be opened: No such file or directory\n"
+    assert outcome.code == 1
+    assert (outcome.out + outcome.err).startswith(told)
+
+
+def test_a_missing_file_does_not_stop_the_others(folder: Path) -> None:
+    outcome = invoke("plc", "check", "missing.awl", ".", "copy.awl", "--json")
+    assert outcome.code == 1
+    assert [one["ok"] for one in json.loads(outcome.out)] == [False, False, True]
+
+
+@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="a device of POSIX")
+def test_a_file_without_an_end_is_told() -> None:
+    outcome = invoke("plc", "check", "/dev/zero")
+    assert outcome.lines[0] == "/dev/zero:1:1: STL002 the file has more than 16,777,216 bytes; no program is so large"
 
 
 @pytest.mark.parametrize("arguments", [("--cpu", "CPU 315"), ("--encoding", "klingon")])

@@ -41,6 +41,8 @@ def test_every_command_has_help(command: str) -> None:
         ("run", "--endpoint", "localhost:4840"),
         ("run", "--log-level", "loud"),
         ("run", "--web", "8080"),
+        ("plc", "check", "a.awl", "--encoding", "base64"),
+        ("plc", "check", "a.awl", "--encoding", "nonsense"),
         ("write",),
         ("write", "A.B.C"),
         ("write", "A.B.C", "1", "D.E.F"),
