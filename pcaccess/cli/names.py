@@ -19,11 +19,14 @@ from asyncua.ua.status_codes import StatusCodes
 from pcaccess.cli.remote import Child, Remote, status_text
 from pcaccess.cli.values import TYPES
 from pcaccess.problems import nearest_words
+from pcaccess.project.names import RunTimeNameError, parse_run_time_name
 
 NEAREST: Final = 3
 """So many names are suggested."""
 HELPED: Final = 5
 """So many unknown names get suggestions; then typing is not the trouble, and looking costs time."""
+LONGEST_SHOWN: Final = 200
+"""Characters of a name in a message; an item ID has fewer."""
 SEARCHED: Final = 20_000
 """Items that are looked at for a suggestion, when nothing near the name is one."""
 
@@ -198,11 +201,29 @@ def _no_name(remote: Remote, name: str) -> str:
 
 
 async def _unknown(remote: Remote, name: str, status: int, *, helped: bool) -> Unknown:
+    shown = name if len(name) <= LONGEST_SHOWN else f"{name[: LONGEST_SHOWN - 1]}…"
     if status != StatusCodes.BadNodeIdUnknown:
-        return Unknown(name, status, f"{name}: {status_text(status)}")
-    near = [] if helped or "," in name or remote.items is None else await nearest(remote, name)
+        return Unknown(name, status, f"{shown}: {status_text(status)}")
+    if not name.strip():
+        return Unknown(name, status, "there is no item without a name")
+    near: list[str] = []
+    more = ""
+    if remote.items is not None and "," in name:
+        more = f": {_why_not(name)}"
+    elif is_pattern(name):
+        more = "; patterns are for read and watch"
+    elif remote.items is not None and not helped:
+        near = await nearest(remote, name)
     guess = f"; did you mean {_or(near)}?" if near else ""
-    return Unknown(name, status, f"there is no item {name}{guess}")
+    return Unknown(name, status, f"there is no item {shown}{more}{guess}")
+
+
+def _why_not(run_time_name: str) -> str:
+    try:
+        parse_run_time_name(run_time_name)
+    except RunTimeNameError as error:
+        return str(error)
+    return "no PLC here has that station and address, or the project allows no such dynamic item"
 
 
 def _or(words: Sequence[str]) -> str:

@@ -10,7 +10,9 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import os
 import re
+import socket
 from collections.abc import AsyncIterator, Awaitable, Iterable, Iterator, Sequence
 from contextlib import asynccontextmanager
 from itertools import islice
@@ -260,11 +262,18 @@ async def _reaching(url: str, patience: float, attempt: Awaitable[T]) -> T:
     except TimeoutError:
         raise Failed(f"nothing at {url} answered like an OPC UA server within {patience:g} s; {advice}") from None
     except OSError as error:
-        raise Failed(f"no server at {url} ({error.strerror or error}); {advice}") from None
+        raise Failed(f"no server at {url} ({_reason(error)}); {advice}") from None
     except UaStatusCodeError as error:
         raise Failed(f"{url} refused the session: {status_text(int(error.code))}") from None
     except UaError as error:
         raise Failed(f"{url}: {error}") from None
+
+
+def _reason(error: OSError) -> str:
+    """In the system's words; asyncio has its own for a refused connection."""
+    if error.errno is None or error.errno <= 0 or isinstance(error, socket.gaierror):
+        return str(error.strerror or error)
+    return os.strerror(error.errno)
 
 
 # ---------------------------------------------------------------------- status codes

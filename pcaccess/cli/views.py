@@ -51,7 +51,7 @@ class PlainLines:
 
     def begin(self, items: Sequence[str], interval: float) -> None:
         first = not self._widths
-        widest = max(len(COLUMNS[0].title), *map(len, items))
+        widest = max(map(len, (COLUMNS[0].title, *items)))
         self._widths = (widest, VALUE_WIDTH, len("2026-01-02 03:04:05.678"), 0)
         if first:
             self._line([column.title for column in COLUMNS])

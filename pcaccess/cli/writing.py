@@ -11,7 +11,7 @@ from asyncua.ua.status_codes import StatusCodes
 
 from pcaccess.cli.names import Found, Target, Unknown, content, resolve
 from pcaccess.cli.remote import Remote, connect, status_name, status_text
-from pcaccess.cli.values import TYPES, ValueTextError, json_value, parse_value, value_text
+from pcaccess.cli.values import STRING, TYPES, ValueTextError, json_value, parse_value, value_text
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,6 +73,8 @@ def _prepare(found: Found, text: str) -> Written | tuple[Target, ua.Variant]:
 async def _why(remote: Remote, target: Target, status: int) -> str:
     """A refusal in words, with the limits when they were the reason."""
     words = f"{target.item_id}: {status_text(status)}"
+    if status == StatusCodes.BadOutOfRange and target.type == STRING:
+        return f"{words}: the text is too long for it, or has characters that a PLC does not (one byte each)"
     limits = remote.belonging(target.node, "EURange") if status == StatusCodes.BadOutOfRange else None
     if limits is None:
         return words

@@ -205,12 +205,24 @@ async def test_programs_get_an_answer_for_every_name(client: Command) -> None:
         ("MicroWin.Nowhere.*", "there is no item MicroWin.Nowhere"),
         ("MicroWin.NewPLC.Command", "BadNotReadable: the item can only be written"),
         ("i=nonsense", "i=nonsense is no NodeId"),
+        ("", "there is no item without a name"),
+        ("2,VX,INT", "there is no item 2,VX,INT: "),
+        ("2,VW0,FOO", "there is no item 2,VW0,FOO: "),
+        ("9,VW0,INT", "there is no item 9,VW0,INT: no PLC here has that station and address"),
+        ("x" * 5000, f"there is no item {'x' * 199}…\n"),
     ],
 )
 async def test_a_name_that_leads_nowhere_says_so(client: Command, name: str, words: str) -> None:
     outcome = await client("read", name)
     assert outcome.code == 1
     assert words in outcome.err
+
+
+@pytest.mark.parametrize("command", [("write", f"{PLC}.*", "1"), ("browse", f"{PLC}.*")])
+async def test_patterns_are_for_what_reads(client: Command, command: tuple[str, ...]) -> None:
+    outcome = await client(*command)
+    assert (outcome.code, outcome.out) == (1, "")
+    assert outcome.err == f"pcaccess: there is no item {PLC}.*; patterns are for read and watch\n"
 
 
 # -- write ---------------------------------------------------------------------------------------------------------
@@ -256,7 +268,7 @@ async def test_write_takes_pairs_and_equations(client: Command) -> None:
         ),
         ("Temperature", "abc", "'abc' is not a whole number: INT takes -32768 to 32767, or bits such as 16#FF"),
         ("Temperature", "32768", "32768 does not fit INT, which takes -32768 to 32767"),
-        ("Text", "eleven char", "BadOutOfRange: the value is outside what the item takes"),
+        ("Text", "eleven char", "BadOutOfRange: the value is outside what the item takes: the text is too long for it"),
         ("Row", "1,2", "BadTypeMismatch: the value does not have the item's type"),
         ("Nowhere", "1", "there is no item MicroWin.NewPLC.Nowhere"),
         ("USR1", "1", "MicroWin.NewPLC.USR1 is no item; name one below it"),

@@ -58,7 +58,7 @@ def test_wrong_usage_is_exit_code_2(arguments: tuple[str, ...]) -> None:
 def test_without_a_server_the_message_says_what_to_do(unused_port: int) -> None:
     outcome = invoke("read", "A.B.C", "--url", f"opc.tcp://127.0.0.1:{unused_port}/x")
     assert (outcome.code, outcome.out) == (1, "")
-    assert outcome.err.startswith(f"pcaccess: no server at opc.tcp://127.0.0.1:{unused_port}/x (")
+    assert outcome.err.startswith(f"pcaccess: no server at opc.tcp://127.0.0.1:{unused_port}/x (Connection refused); ")
     assert "start one with: pcaccess run" in outcome.err
 
 

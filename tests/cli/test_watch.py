@@ -176,9 +176,13 @@ async def test_an_unknown_item_does_not_stop_the_others(client: Command) -> None
     assert outcome.err == f"pcaccess: there is no item {PLC}.Motr; did you mean {PLC}.Motor?\n"
 
 
-async def test_nothing_to_watch_ends_at_once(client: Command) -> None:
-    outcome = await client("watch", f"{PLC}.Motr")
-    assert (outcome.code, outcome.out) == (1, "")
+@pytest.mark.parametrize("name", ["Motr", "Command"])
+@pytest.mark.parametrize("form", [(), ("--json",)])
+async def test_nothing_to_watch_ends_at_once(client: Command, name: str, form: tuple[str, ...]) -> None:
+    outcome = await client("watch", f"{PLC}.{name}", *form)
+    assert outcome.code == 1
+    assert len(outcome.lines) <= 1  # the heading
+    assert outcome.err.startswith("pcaccess: ")
 
 
 async def test_watching_ends_in_time(client: Command) -> None:
