@@ -102,13 +102,11 @@ def write_project(folder: Path, items: int) -> Path:
 
 
 async def ours(options: argparse.Namespace) -> None:
-    from asyncua import ua
-
     from pcaccess.clock import SystemClock
     from pcaccess.collector import settle
     from pcaccess.gateway.gateway import Gateway
     from pcaccess.links.base import RawWrite
-    from pcaccess.opcua.server import OpcUaServer
+    from pcaccess.opcua.server import Identity, OpcUaServer
     from pcaccess.project.load import load_project
     from pcaccess.s7200.address import parse_address
     from pcaccess.s7200.types import DataType
@@ -117,15 +115,8 @@ async def ours(options: argparse.Namespace) -> None:
         project = load_project(write_project(Path(folder), options.items)).project
     gateway = Gateway(project, SystemClock())
     gateway.show()
-    server = OpcUaServer(gateway, f"opc.tcp://{HOST}:0/pcaccess")
-    if options.certificate:
-        # Certificates are not a user's matter yet; asyncua's own server underneath has all it needs.
-        inner = server._server
-        inner.set_security_policy(
-            [ua.SecurityPolicyType.NoSecurity, ua.SecurityPolicyType.Basic256Sha256_SignAndEncrypt]
-        )
-        await inner.load_certificate(options.certificate)
-        await inner.load_private_key(options.key)
+    identity = Identity(Path(options.certificate), Path(options.key)) if options.certificate else None
+    server = OpcUaServer(gateway, f"opc.tcp://{HOST}:0/pcaccess", identity)
     await server.start()
     settle()  # as ``pcaccess run`` does
     driver, whole = gateway.driver("Soft"), parse_address("VB0")

@@ -37,7 +37,7 @@ OVERRIDDEN: Final = MappingProxyType(
             "create_monitored_items _create_data_change_monitored_item _modify_monitored_item _set_monitoring_mode "
             "_delete_monitored_items delete_all_monitored_items"
         ),
-        UaProcessor: "_process_message _should_close_session_on_transport_loss",
+        UaProcessor: "process_message _process_message _should_close_session_on_transport_loss",
         OPCUAProtocol: "connection_made connection_lost data_received _process_received_message_loop",
         BinaryServer: "_make_protocol",
         TransportLimits: "create_acknowledge_and_set_limits",
@@ -52,10 +52,13 @@ CALLED: Final = MappingProxyType(
         AddressSpace: "read_attribute_value",
         ViewService: "_suitable_direction",
         SubscriptionService: "_clamp_lifetime_count _clamp_keep_alive_count",
-        UaProcessor: "set_policies send_response process process_message",
+        UaProcessor: "set_policies send_response process",
         OPCUAProtocol: "_process_one_msg",
         BinaryServer: "start stop",
-        Server: "_setup_server_nodes register_namespace set_build_info set_endpoint set_security_policy init stop",
+        Server: (
+            "_setup_server_nodes register_namespace set_build_info set_endpoint set_security_policy load_certificate "
+            "load_private_key init stop"
+        ),
         MessageChunk: "max_body_size",
         Cryptography: (
             "decrypt verify remove_padding vsignature_size padding signature_size plain_block_size "

@@ -2,13 +2,15 @@
 
 Mended here (docs/decisions/2026-11-22-asyncua.md): a request's AuthenticationToken was not compared with its session's;
 a session could be used from two channels, and activated by another certificate than the one that made it; sessions made
-again and again were never forgotten; BrowseNext failed and RegisterNodes did nothing.
+again and again were never forgotten; BrowseNext failed and RegisterNodes did nothing; each refused request was an error
+in the log, so that a client that went on asking in a session that had ended filled it.
 
 Source:   OPC UA Part 4, 5.6.2 CreateSession, 5.6.3 ActivateSession, 5.8 View service set.
 """
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Awaitable, Callable
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
@@ -16,15 +18,18 @@ from typing import TYPE_CHECKING, Any, Final
 from asyncua import ua
 from asyncua.common.utils import ServiceError
 from asyncua.server.uaprocessor import UaProcessor
-from asyncua.ua.object_ids import ObjectIds
+from asyncua.ua.object_ids import ObjectIdNames, ObjectIds
 from asyncua.ua.status_codes import StatusCodes
-from asyncua.ua.ua_binary import struct_from_binary
+from asyncua.ua.ua_binary import nodeid_from_binary, struct_from_binary
+from asyncua.ua.uaerrors import UaStatusCodeError
 
 from pcaccess.opcua.ids import standard
 from pcaccess.opcua.sessions import Session
 
 if TYPE_CHECKING:
     from pcaccess.opcua.asyncua_server import Internal
+
+log = logging.getLogger(__name__)
 
 _CREATE_SESSION: Final = standard(ObjectIds.CreateSessionRequest_Encoding_DefaultBinary)
 _ACTIVATE_SESSION: Final = standard(ObjectIds.ActivateSessionRequest_Encoding_DefaultBinary)
@@ -47,6 +52,36 @@ class Processor(UaProcessor):
 
     iserver: Internal
     session: Session | None
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        self._told: set[tuple[str, str]] = set()
+
+    async def process_message(self, seqhdr: Any, body: Any) -> Any:
+        """Answer one request, with a fault if nothing else; False ends the connection."""
+        typeid = nodeid_from_binary(body)
+        requesthdr = struct_from_binary(ua.RequestHeader, body)
+        try:
+            return await self._process_message(typeid, requesthdr, seqhdr, body)
+        except (ServiceError, UaStatusCodeError) as error:
+            code = int(error.code)
+            self._tell(typeid, ua.StatusCode(ua.UInt32(code)).name, logging.INFO)
+        except Exception as error:
+            code = StatusCodes.BadInternalError
+            self._tell(typeid, f"BadInternalError ({type(error).__name__})", logging.ERROR, error)
+        fault = ua.ServiceFault()
+        fault.ResponseHeader.ServiceResult = ua.StatusCode(ua.UInt32(code))
+        self.send_response(requesthdr.RequestHandle, seqhdr, fault)
+        return True
+
+    def _tell(self, typeid: ua.NodeId, why: str, level: int, error: Exception | None = None) -> None:
+        """Log a refused request: the first of its kind on this connection, others for debugging only."""
+        number = typeid.Identifier if isinstance(typeid.Identifier, int) else -1
+        service = ObjectIdNames.get(number, "a service nobody knows").removesuffix("_Encoding_DefaultBinary")
+        if (service, why) in self._told:
+            level, error = logging.DEBUG, None
+        self._told.add((service, why))
+        log.log(level, "%s of %s is answered with %s", service, self.name, why, exc_info=error)
 
     async def _process_message(self, typeid: Any, requesthdr: Any, seqhdr: Any, body: Any) -> Any:
         if typeid in _SESSIONLESS:

@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 import errno
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
 from urllib.parse import urlsplit
+
+from asyncua import ua
 
 from pcaccess import __version__
 from pcaccess.collector import paused
@@ -12,18 +17,40 @@ from pcaccess.opcua.asyncua_server import GatewayServer
 from pcaccess.opcua.gatewaynode import Reload
 from pcaccess.opcua.ids import APPLICATION_URI, ITEMS, ITEMS_URI, SYSTEM, SYSTEM_URI
 
-LOOPBACK = ("127.0.0.1", "localhost", "::1")
+LOOPBACK: Final = ("127.0.0.1", "localhost", "::1")
 
 
 class EndpointError(Exception):
     """The endpoint cannot be served; the message says which and what to do."""
 
 
-class OpcUaServer:
-    """Serves a gateway's items. ``endpoint``: ``opc.tcp://127.0.0.1:4840/pcaccess``; port 0 takes a free one."""
+PLAIN: Final = (ua.SecurityPolicyType.NoSecurity,)
+SECURE: Final = (
+    ua.SecurityPolicyType.Basic256Sha256_Sign,
+    ua.SecurityPolicyType.Basic256Sha256_SignAndEncrypt,
+)
 
-    def __init__(self, gateway: Gateway, endpoint: str | None = None) -> None:
+
+@dataclass(frozen=True, slots=True)
+class Identity:
+    """Who the server is to clients that sign and encrypt: files, PEM or DER."""
+
+    certificate: Path
+    key: Path
+    policies: tuple[ua.SecurityPolicyType, ...] = PLAIN + SECURE
+    """What clients may choose from."""
+
+
+class OpcUaServer:
+    """Serves a gateway's items."""
+
+    def __init__(self, gateway: Gateway, endpoint: str | None = None, identity: Identity | None = None) -> None:
+        """``endpoint``: ``opc.tcp://127.0.0.1:4840/pcaccess``; port 0 takes a free one.
+
+        Without ``identity`` nothing is signed or encrypted.
+        """
         self._gateway = gateway
+        self._identity = identity
         self._endpoint = endpoint or gateway.project.server.endpoint
         self._server = GatewayServer(gateway)
         self._port = 0
@@ -57,6 +84,8 @@ class OpcUaServer:
                 "use opc.tcp://127.0.0.1:4840/pcaccess"
             )
         server = self._server
+        if self._identity is not None:
+            await self._identify(self._identity)
         server.set_endpoint(self._endpoint)
         with paused():
             await server.init()
@@ -77,6 +106,18 @@ class OpcUaServer:
                     "server: endpoint: in the project file"
                 ) from None
             raise EndpointError(f"cannot listen on {host}:{port}: {error.strerror}") from None
+
+    async def _identify(self, identity: Identity) -> None:
+        server = self._server
+        for load, file, what in (
+            (server.load_certificate, identity.certificate, "certificate"),
+            (server.load_private_key, identity.key, "private key"),
+        ):
+            try:
+                await load(file)
+            except (OSError, ValueError, TypeError) as error:
+                raise EndpointError(f"{file} cannot be used as the server's {what}: {error}") from None
+        server.set_security_policy(list(identity.policies))
 
     def _structure_changed(self) -> None:
         self._server.space.rebuild()

@@ -76,6 +76,36 @@ async def test_a_closed_session_reads_nothing(wire: Wire) -> None:
     assert fault(await wire.ask(read_request(MOTOR))) == StatusCodes.BadSessionIdInvalid
 
 
+async def test_a_client_that_goes_on_asking_in_a_dead_session_does_not_fill_the_log(
+    wire: Wire, caplog: pytest.LogCaptureFixture
+) -> None:
+    await wire.ask(ua.CloseSessionRequest())
+    with caplog.at_level("INFO"):
+        for _ in range(50):
+            assert fault(await wire.ask(read_request(MOTOR))) == StatusCodes.BadSessionIdInvalid
+            assert fault(await wire.ask(ua.PublishRequest())) == StatusCodes.BadSessionIdInvalid
+    told = [(r.levelname, r.getMessage().partition(" of ")[0]) for r in caplog.records if "answered with" in r.msg]
+    assert told == [("INFO", "ReadRequest"), ("INFO", "PublishRequest")]
+    assert [r for r in caplog.records if r.levelname in ("WARNING", "ERROR")] == []
+
+
+async def test_our_own_fault_is_told_with_its_place_once_and_costs_one_request(
+    running: RunningGateway, wire: Wire, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def fails(_parameters: Any) -> Any:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(running.server._server.internal.item_attributes, "read_items", fails)
+    for _ in range(3):
+        assert fault(await wire.ask(read_request(MOTOR, attribute=4))) == StatusCodes.BadInternalError
+    monkeypatch.undo()
+    assert fault(await wire.ask(read_request(MOTOR, attribute=4))) == 0
+    (told,) = [record for record in caplog.records if record.levelname == "ERROR"]
+    assert told.exc_info is not None
+    assert told.exc_info[0] is ZeroDivisionError
+    assert "ReadRequest" in told.getMessage()
+
+
 async def test_a_session_that_moved_leaves_its_old_channel(running: RunningGateway) -> None:
     """Part 4, 5.6.3: the server rejects requests sent by way of the old channel."""
     async with connected(running.server.port) as old, connected(running.server.port, logged_in=False) as new:

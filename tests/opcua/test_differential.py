@@ -27,7 +27,7 @@ from cryptography.x509.oid import ExtendedKeyUsageOID
 from pcaccess.gateway.gateway import Gateway
 from pcaccess.items.quality import Limit, Quality
 from pcaccess.items.table import as_rows
-from pcaccess.opcua.server import OpcUaServer
+from pcaccess.opcua.server import SECURE, Identity, OpcUaServer
 from pcaccess.project.load import load_text
 from tests.clocks import HandClock
 from tests.opcua.conftest import PLANT
@@ -97,14 +97,8 @@ async def plant(folder: Path, mode: Security) -> AsyncIterator[Plant]:
     clock = HandClock()
     gateway = Gateway(load_text(PLANT).project, clock)
     gateway.show()
-    server = OpcUaServer(gateway, "opc.tcp://127.0.0.1:0/test")
-    if mode is not Security.None_:
-        cert, key = certificate(folder, "server")
-        await server._server.load_certificate(cert)
-        await server._server.load_private_key(key)
-        server._server.set_security_policy(
-            [ua.SecurityPolicyType.Basic256Sha256_Sign, ua.SecurityPolicyType.Basic256Sha256_SignAndEncrypt]
-        )
+    identity = None if mode is Security.None_ else Identity(*certificate(folder, "server"), SECURE)
+    server = OpcUaServer(gateway, "opc.tcp://127.0.0.1:0/test", identity)
     await server.start()
     client = Client(server.url, timeout=40, watchdog_intervall=40)
     if mode is not Security.None_:
