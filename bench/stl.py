@@ -34,6 +34,7 @@ from pcaccess.s7200.address import Area
 from pcaccess.s7200.cpu import cpu_model
 from pcaccess.s7200.memory import AREA_START
 from pcaccess.stl.checker import load_program
+from pcaccess.stl.lower import lower
 
 HERE = Path(__file__).parent
 JUDGED = 10_000
@@ -78,10 +79,10 @@ def measure_cpu(cpu: Cpu, seconds: float) -> float:
     return best_of(lambda: executor.run(module.main), put, seconds)
 
 
-def measure_gcc(cpu: Cpu, folder: Path, name: str, seconds: float) -> tuple[float, float]:
-    """Seconds of one execution, and of compiling. ``cpu`` gives the module and a memory of its own."""
-    assert cpu.module is not None
-    compiled = CProgram(cpu.module, folder, name)
+def measure_gcc(text: Text, cpu: Cpu, folder: Path, name: str, seconds: float) -> tuple[float, float]:
+    """Seconds of one execution, and of compiling. ``cpu`` gives a memory of its own."""
+    program = load_program(text.stl.encode(), file="bench.awl").unwrap()
+    compiled = CProgram(lower(program, cpu.model), folder, name)
     memory = cpu.memory
     address = ctypes.addressof((ctypes.c_char * len(memory)).from_buffer(memory))
 
@@ -132,7 +133,7 @@ def measure(kind: str, text: Text, folder: Path, seconds: float) -> dict[str, fl
     found["interpreter"] = measure_cpu(plain_cpu, seconds) / count * 1e9
     if has_gcc():
         own_cpu, _ = cpu_with(text, Interpreter)
-        run, compiling = measure_gcc(own_cpu, folder, f"{kind}{count}", seconds)
+        run, compiling = measure_gcc(text, own_cpu, folder, f"{kind}{count}", seconds)
         found["gcc -O1"], found["gcc µs"] = run / count * 1e9, compiling / count * 1e6
     return found
 

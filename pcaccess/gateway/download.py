@@ -9,10 +9,13 @@ import asyncio
 import logging
 from dataclasses import dataclass
 
+from pcaccess.collector import paused
 from pcaccess.gateway.gateway import Gateway
 from pcaccess.links.soft import SoftLink
 from pcaccess.problems import Problem
+from pcaccess.s7200.cpu import CpuModel
 from pcaccess.stl.checker import load_program
+from pcaccess.stl.reader import ReadResult
 
 log = logging.getLogger(__name__)
 
@@ -39,9 +42,15 @@ async def download(gateway: Gateway, plc: str, data: bytes, name: str) -> Downlo
     cpu = link.scanning(plc) if isinstance(link, SoftLink) else None
     if station is None or cpu is None:
         raise DownloadError(f"{plc} runs no program; only a soft PLC with a 'program:' takes one")
-    result = await asyncio.to_thread(load_program, data, station.plc.cpu, file=name)
+    result = await asyncio.to_thread(_load, data, station.plc.cpu, name)
     if not result.ok:
         return Downloaded(False, result.problems)
     await cpu.exchange(result.unwrap())
     log.info("%s: program %s downloaded", plc, name)
     return Downloaded(True, result.problems)
+
+
+def _load(data: bytes, cpu: CpuModel, name: str) -> ReadResult:
+    """In another thread; a collection would stop all of them for as long as it takes."""
+    with paused():
+        return load_program(data, cpu, file=name)

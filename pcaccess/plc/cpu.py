@@ -11,10 +11,11 @@ Source:   document 000, "The scan cycle" and appendix C (SM memory); document 00
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Final
 
+from pcaccess.collector import paused
 from pcaccess.plc.errorlog import ErrorRecord
 from pcaccess.plc.executor import Executor, MakeExecutor
 from pcaccess.plc.frames import unwind_to
@@ -132,8 +133,14 @@ class Cpu:
 
     def prepare(self, program: Program) -> Prepared:
         """Lower and compile a program without touching the one that runs; may be done in another thread."""
+        with paused():
+            return self._prepare(program)
+
+    def _prepare(self, program: Program) -> Prepared:
         module = lower(program, self.model)
-        return Prepared(program, module, self._make_executor(module, self.runtime))
+        executor = self._make_executor(module, self.runtime)
+        # The executor has what it needs of the functions; a large program's are a hundred thousand objects.
+        return Prepared(program, replace(module, functions=()), executor)
 
     def take(self, prepared: Prepared, *, keep_memory: bool = False) -> None:
         """Run what was prepared from the next scan on; see :meth:`load`."""

@@ -57,6 +57,8 @@ class Run:
     patches: tuple[tuple[int, bytes], ...]
     """Flat address, bytes."""
     ticks: tuple[Tick, ...]
+    junk: int | None = None
+    """Memory is full of random bytes of this seed before."""
 
     def __str__(self) -> str:
         return self.text
@@ -320,4 +322,5 @@ _TICK = st.builds(
 def runs(draw: st.DrawFn) -> Run:
     """Programs with everything around them."""
     text = _Writer(draw).program()
-    return Run(text, draw(_patches()), tuple(draw(st.lists(_TICK, min_size=2, max_size=4))))
+    ticks = tuple(draw(st.lists(_TICK, min_size=2, max_size=4)))
+    return Run(text, draw(_patches()), ticks, draw(st.none() | st.integers(0, 0xFFFF)))

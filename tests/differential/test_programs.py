@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import random
+
 import pytest
 from hypothesis import given, note, settings
 
@@ -25,6 +27,8 @@ BUDGET = 40
 
 def start(program: Program, run: Run, make_executor: MakeExecutor) -> Cpu:
     cpu = Cpu(MODEL, program, make_executor=make_executor, loop_budget=BUDGET)
+    if run.junk is not None:
+        cpu.memory[:MEMORY_SIZE] = random.Random(run.junk).randbytes(MEMORY_SIZE)
     for at, data in run.patches:
         cpu.memory[at : at + len(data)] = data
     cpu.run(0.0)

@@ -10,7 +10,7 @@ Source:   System Manual, ASCII conversion, String conversion; document 004, sect
 from __future__ import annotations
 
 import math
-from decimal import ROUND_HALF_UP, Decimal
+from fractions import Fraction
 from typing import Final
 
 from pcaccess.s7200.types import DataType
@@ -99,9 +99,9 @@ def real_text(number: float, form: int) -> tuple[int, bytes | None]:
     width, decimals, comma = form >> 4, form & 7, form & 8
     if not SHORTEST_REAL <= width <= LONGEST_REAL or decimals > MOST_DECIMALS or not math.isfinite(number):
         return width, None
-    rounded = Decimal(number).scaleb(decimals).quantize(Decimal(1), ROUND_HALF_UP)
-    digits = str(abs(int(rounded))).rjust(decimals + 1, "0")
-    return width, _justified(digits, decimals, rounded < 0, bool(comma), width)
+    rounded = int(abs(Fraction(number)) * 10**decimals + Fraction(1, 2))
+    digits = str(rounded).rjust(decimals + 1, "0")
+    return width, _justified(digits, decimals, number < 0 < rounded, bool(comma), width)
 
 
 def _justified(digits: str, decimals: int, negative: bool, comma: bool, width: int) -> bytes | None:
