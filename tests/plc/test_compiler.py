@@ -276,10 +276,13 @@ def test_frames_of_local_memory_never_leave_the_buffer() -> None:
     def body(b: Builder) -> None:
         b.emit(ir.PushFrame())
 
-    executor, recorder = program(body)
-    recorder.memory[layout.CALL_DEPTH] = 255
-    executor.run(0)
+    recorder = Recorder()
+    around = bytearray(layout.BUFFER_SIZE + 256 * layout.FRAME_SIZE)
+    recorder.memory = memoryview(around)[: layout.BUFFER_SIZE]  # type: ignore[assignment]
+    recorder.memory[: layout.CALL_DEPTH + 1] = b"\xff" * (layout.CALL_DEPTH + 1)
+    Compiled(module([function(body)]), recorder, optimise=False).run(0)
     assert recorder.memory[layout.CALL_DEPTH] == 0
+    assert not any(around[layout.BUFFER_SIZE :])
 
 
 # optimising
