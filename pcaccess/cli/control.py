@@ -100,7 +100,7 @@ def download(
         for problem in done.problems:
             complain(problem)
         taken = "runs" if done.mode == "RUN" else f"is taken; the PLC is in {done.mode}"
-        show(f"{done.plc}: {file} {taken if done.accepted else 'has errors; nothing changed'}")
+        show(f"{done.plc}: {file} {taken if done.accepted else 'is refused; nothing changed'}")
     if not done.accepted:
         raise typer.Exit(1)
     if done.mode != done.before:

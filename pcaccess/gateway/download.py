@@ -26,13 +26,16 @@ class DownloadError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Downloaded:
-    """``accepted`` is False when there are errors; then nothing has changed."""
+    """``accepted`` is False when there are errors, or ``why`` says something; then the old program goes on."""
 
     accepted: bool
     problems: tuple[Problem, ...]
+    why: str = ""
 
-    def __str__(self) -> str:
-        return "\n".join(str(problem) for problem in self.problems)
+    @property
+    def lines(self) -> list[str]:
+        """For people."""
+        return [*map(str, self.problems), *([self.why] if self.why else [])]
 
 
 async def download(gateway: Gateway, plc: str, data: bytes, name: str) -> Downloaded:
@@ -45,7 +48,9 @@ async def download(gateway: Gateway, plc: str, data: bytes, name: str) -> Downlo
     result = await asyncio.to_thread(_load, data, station.plc.cpu, name)
     if not result.ok:
         return Downloaded(False, result.problems)
-    await cpu.exchange(result.unwrap())
+    why = await cpu.exchange(result.unwrap())
+    if why:
+        return Downloaded(False, result.problems, f"{name}: {why}")
     log.info("%s: program %s downloaded", plc, name)
     return Downloaded(True, result.problems)
 

@@ -35,7 +35,12 @@ class _Exchange:
     """A program on its way in."""
 
     prepared: asyncio.Future[Prepared]
-    taken: asyncio.Future[None]
+    taken: asyncio.Future[str]
+    """Empty once it runs, else why it never will."""
+
+    def refuse(self, why: str) -> None:
+        if not self.taken.done():
+            self.taken.set_result(why)
 
 
 class ScanningPlc:
@@ -51,6 +56,10 @@ class ScanningPlc:
         self._stopped_by_fault = False
         self._answers: list[asyncio.Future[Outcome]] = []
         self._ended = False
+        self._failed = False
+        """It scans nothing until somebody starts it or gives it another program."""
+        self._new: _Exchange | None = None
+        """In the first scan of a program."""
         """Nobody scans any more, so nobody would answer."""
         self._exchange: _Exchange | None = None
         self.cpu = Cpu(
@@ -76,20 +85,22 @@ class ScanningPlc:
         if program != self._program:
             self.exchange(program)
 
-    def exchange(self, program: Program) -> asyncio.Future[None]:
+    def exchange(self, program: Program) -> asyncio.Future[str]:
         """Compile a program beside the one that runs, in a thread, and take it between two scans.
 
-        Memory, outputs and mode stay. The future is done when the first scan of the new program is over; a later
-        exchange that overtakes this one cancels it.
+        Memory, outputs and mode stay. The future is done when the first scan of the new program is over, or when
+        that will never be; then it says why.
         """
         loop = asyncio.get_running_loop()
         if self._exchange is not None:
-            self._exchange.taken.cancel()
+            self._exchange.refuse("another program came before this one was compiled")
         self._program = program
         self._exchange = _Exchange(loop.run_in_executor(None, self.cpu.prepare, program), loop.create_future())
+        if self._ended:
+            self._exchange.refuse("the PLC is gone")
         return self._exchange.taken
 
-    def _take_exchange(self) -> asyncio.Future[None] | None:
+    def _take_exchange(self) -> _Exchange | None:
         """Between two scans: the new program, when it is ready."""
         if self._exchange is None or not self._exchange.prepared.done():
             return None
@@ -97,18 +108,20 @@ class ScanningPlc:
         error = exchange.prepared.exception()
         if error is not None:  # a checked program that cannot be compiled is our own mistake
             log.error("%s goes on with its old program", self.plc.item_id, exc_info=error)
-            exchange.taken.cancel()
+            exchange.refuse("it cannot be compiled; the log of pcaccess run says why")
             return None
         prepared = exchange.prepared.result()
         self.cpu.take(prepared, keep_memory=True)
         log.info("%s: program %s taken over", self.plc.item_id, prepared.program.file)
-        return exchange.taken
+        self._failed = False
+        return exchange
 
     def status(self) -> PlcStatus:
         return PlcStatus(self.cpu.mode.value, self._scan_took * 1000, len(self.cpu.errors))
 
     def start(self) -> None:
         """STOP to RUN."""
+        self._failed = False
         self.cpu.run(self._milliseconds())
         self._told = 0
         self._stopped_by_fault = False
@@ -119,7 +132,7 @@ class ScanningPlc:
 
     async def write(self, writes: Sequence[RawWrite]) -> list[Outcome]:
         """Queue the writes; they are taken by the next scan and answered when it is over."""
-        if self._ended:
+        if self._ended or self._failed:
             return [Outcome.DEVICE_FAILURE] * len(writes)
         for write in writes:
             if isinstance(write.address, str):
@@ -134,34 +147,46 @@ class ScanningPlc:
         due = self._clock.monotonic()
         try:
             while True:
-                self.scan()
+                try:
+                    self.scan()
+                except Exception:
+                    self._fail()
                 if self.plc.scan is None:
                     await self._clock.sleep(max(SHORTEST_PAUSE, self._scan_took))
                 else:
                     due = max(due + self.plc.scan, self._clock.monotonic())
                     await self._clock.sleep(due - self._clock.monotonic())
-        except Exception:
-            # Our own fault, not the program's. It must cost this PLC only.
-            log.exception("%s: the CPU failed; its items are no longer good", self.plc.item_id)
-            self._sink.lost(self.plc.item_id, Quality.DEVICE_FAILURE)
         finally:
             self._ended = True
             self._answer(Outcome.DEVICE_FAILURE)
             self.cpu.close()
             if self._exchange is not None:
-                self._exchange.taken.cancel()
+                self._exchange.refuse("the PLC is gone")
+
+    def _fail(self) -> None:
+        """In the handler of an exception. Our own fault, not the program's: it must cost this PLC only, until it is
+        started again or gets another program."""
+        log.exception("%s: the CPU failed; its items are no longer good", self.plc.item_id)
+        self._failed = True
+        self.cpu.stop()
+        self._sink.lost(self.plc.item_id, Quality.DEVICE_FAILURE)
+        self._answer(Outcome.DEVICE_FAILURE)
+        if self._new is not None:
+            self._new.refuse("the CPU failed with it; the log of pcaccess run says more")
 
     def scan(self) -> None:
         """One scan, and everything that follows from it."""
-        taken = self._take_exchange()
+        self._new = self._take_exchange()
+        if self._failed:
+            return
         began = self._clock.monotonic()
         self.cpu.scan(began * 1000)
         self._scan_took = self._clock.monotonic() - began
         if self.plc.connected:
             self._sink.received(self.plc.item_id, memoryview(self.cpu.memory)[:MEMORY_SIZE])
         self._answer(Outcome.DONE)
-        if taken is not None and not taken.done():
-            taken.set_result(None)
+        if self._new is not None and not self._new.taken.done():
+            self._new.taken.set_result("")
         self._tell_errors()
 
     def _answer(self, outcome: Outcome) -> None:

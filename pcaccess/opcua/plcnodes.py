@@ -113,7 +113,7 @@ class PlcNodes:
             return status(StatusCodes.BadNotSupported)
         return [
             ua.Variant(done.accepted, ua.VariantType.Boolean),
-            ua.Variant([str(problem) for problem in done.problems], ua.VariantType.String, is_array=True),
+            ua.Variant(done.lines, ua.VariantType.String, is_array=True),
         ]
 
     async def _switch(self, plc: str, *, running: bool) -> ua.StatusCode:
