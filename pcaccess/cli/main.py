@@ -74,6 +74,6 @@ app.add_typer(sheet.app, name="sheet")
 
 
 def main() -> None:
-    """Entry point of the console script."""
+    """The command, from its arguments to its exit code; ``pcaccess.__main__`` starts it."""
     prepare()
     app(prog_name="pcaccess")

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 import pcaccess
 from tests.cli.conftest import invoke
+
+ROOT = Path(__file__).parents[2]
 
 
 def test_the_version_is_told() -> None:
@@ -73,3 +78,14 @@ def test_help_imports_nothing_that_takes_long() -> None:
     code = "import sys, pcaccess.cli.main; print([m for m in ('asyncua', 'numpy', 'pydantic') if m in sys.modules])"
     shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert shown.stdout == "[]\n"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+def test_ctrl_c_while_modules_load_ends_without_a_word(tmp_path: Path) -> None:
+    """A module that interrupts its own loading stands for a person who is quick."""
+    (tmp_path / "typer.py").write_text("import os, signal\nos.kill(os.getpid(), signal.SIGINT)\n")
+    env = {**os.environ, "PYTHONPATH": os.pathsep.join((str(tmp_path), str(ROOT)))}
+    ended = subprocess.run(
+        [sys.executable, "-m", "pcaccess", "--help"], env=env, capture_output=True, text=True, check=False
+    )
+    assert (ended.returncode, ended.stdout, ended.stderr) == (-signal.SIGINT, "", "")
