@@ -193,4 +193,6 @@ def write_file(path: Path, text: str) -> None:
         else:
             replace_file(path, text)
     except OSError as error:
-        raise Failed(f"{path} cannot be written: {error.strerror}") from None
+        missing = not path.parent.exists()
+        why = f"there is no folder {path.parent}" if missing else error.strerror
+        raise Failed(f"{path} cannot be written: {why}") from None

@@ -23,8 +23,8 @@ from pcaccess.web.server import WebError, WebServer
 
 log = logging.getLogger(__name__)
 
-_STOP_SIGNALS: Final = ("SIGINT", "SIGTERM", "SIGBREAK")
-"""Those that the operating system has; SIGBREAK is Ctrl-Break of Windows."""
+_STOP_SIGNALS: Final = ("SIGINT", "SIGTERM", "SIGBREAK", "SIGHUP")
+"""Those that the operating system has; SIGBREAK is Ctrl-Break of Windows, SIGHUP a terminal that was closed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,11 +97,17 @@ async def _start_web(gateway: Gateway, listen: str | None) -> tuple[WebServer | 
     return web, ""
 
 
+def _is_kept_out(number: int) -> bool:
+    """``nohup`` keeps the end of the terminal from whatever it starts."""
+    return signal.Signals(number).name == "SIGHUP" and signal.getsignal(number) is signal.SIG_IGN
+
+
 @contextmanager
 def stopped_by_signals(stop: asyncio.Event) -> Iterator[None]:
     """Set ``stop`` on Ctrl-C and on what service managers send; a second Ctrl-C ends the process at once."""
     loop = asyncio.get_running_loop()
     numbers = [getattr(signal, name) for name in _STOP_SIGNALS if hasattr(signal, name)]
+    numbers = [number for number in numbers if not _is_kept_out(number)]
     before = {number: signal.getsignal(number) for number in numbers}
 
     def restore() -> None:

@@ -75,6 +75,9 @@ class Context:
 
     def file(self, text: str, node: Node, key: str) -> Path:
         """A file that the project names."""
+        if not text.strip():
+            self.report("PRJ001", node, key, "this names no file", expected="a path from where this file is")
+            return Path(text)
         if self.base is None:
             return Path(text)
         path = self.base / text

@@ -109,7 +109,7 @@ def test_a_folder_takes_a_table_for_each_plc(folder: Path) -> None:
     [
         ((), "there are several PLCs; name one with --plc, or a folder with -o: MicroWin.NewPLC, "),
         (("--plc", "Nowhere"), "there is no PLC Nowhere; the project has MicroWin.NewPLC, "),
-        (("--plc", "MicroWin.Away", "-o", "no/such/folder.csv"), "cannot be written: No such file or directory"),
+        (("--plc", "MicroWin.Away", "-o", "no/such/folder.csv"), "cannot be written: there is no folder no/such"),
     ],
 )
 def test_an_export_that_is_not_possible_says_why(folder: Path, arguments: tuple[str, ...], words: str) -> None:

@@ -92,7 +92,7 @@ def test_one_json_line_says_when_clients_may_come(folder: Path) -> None:
     assert process.end() == (0, "", "")
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)])
 def test_a_signal_stops_it_in_order(folder: Path, number: int) -> None:
     process = Process(folder, "run", *ANY_PORT)
     lines = [process.line() for _ in range(5)]
@@ -113,6 +113,20 @@ def test_a_web_server_open_to_the_network_needs_the_words_in_the_project_file(fo
     assert (code, out) == (1, "")
     assert "say so in the project file: server: web_clients: anyone may read" in err
     assert "Traceback" not in err
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="nohup of POSIX")
+def test_it_outlives_its_terminal_under_nohup(folder: Path) -> None:
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        process = Process(folder, "run", *ANY_PORT, "--json")
+    finally:
+        signal.signal(signal.SIGHUP, before)
+    url = json.loads(process.line())["url"]
+    process.send(signal.SIGHUP)
+    assert invoke("read", "MicroWin.NewPLC.Motor", "--url", url).code == 0
+    process.send(signal.SIGTERM)
+    assert process.end() == (0, "", "")
 
 
 def test_clients_are_told_when_it_stops(folder: Path) -> None:

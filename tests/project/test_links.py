@@ -248,6 +248,7 @@ def test_a_program_that_is_not_there_or_is_a_directory_is_told(tmp_path: Path) -
     (tmp_path / "d").mkdir()
     assert told(soft("{name: P, program: p.awl}"), tmp_path) == ["PRJ001 program: there is no file p.awl"]
     assert told(soft("{name: P, program: d}"), tmp_path) == ["PRJ001 program: d is a directory"]
+    assert told(soft("{name: P, program: ''}"), tmp_path) == ["PRJ001 program: this names no file"]
 
 
 def test_an_unconnected_plc_with_items_is_a_warning_and_an_empty_one_is_not() -> None:
