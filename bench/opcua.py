@@ -1,6 +1,6 @@
 """OPC UA reads and writes: our server beside stock asyncua, node-opcua and open62541, in one run.
 
-    python bench/opcua.py [--json] [--servers ours,stock,node-opcua,open62541] [--seconds 1.5] [--rounds 3]
+    python bench/opcua.py [--json | --markdown] [--servers ours,stock,node-opcua,open62541] [--seconds 1.5] [--rounds 3]
                           [--items 1000] [--memory-items 100000] [--peers FOLDER]
 
 Every server runs in a process of its own with the same items (half Float, half Int16, 100 to a folder, all changing
@@ -216,13 +216,13 @@ def targets_of(report: Report, servers: Sequence[str]) -> list[dict[str, Any]]:
         others = [rate for server, rate in report.rates.get(row, {}).items() if server != OURS]
         if others:
             value = report.rates[row].get(OURS, 0.0) / max(others)
-            targets.append(target(f"{row}, rate to the best other", value, f">= {least}", value >= least))
+            targets.append(target(row, value, f">= {least}", value >= least))
     others = [share for server, share in report.memory.items() if server != OURS]
     if others:
         # Beyond any target, and a number that JSON has, where ours did not come up.
         value = report.memory[OURS] / min(others) if OURS in report.memory else 1e9
         held = value <= MEMORY_SHARE
-        targets.append(target("memory per item to the best other", value, f"<= {MEMORY_SHARE}", held))
+        targets.append(target("memory per item", value, f"<= {MEMORY_SHARE}", held))
     return targets
 
 
@@ -230,22 +230,40 @@ def target(name: str, value: float, text: str, holds: bool) -> dict[str, Any]:
     return {"name": name, "value": round(value, 3), "target": text, "holds": holds}
 
 
-def table(report: Report, servers: Sequence[str], items: int) -> list[str]:
-    def line(row: str, figures: dict[str, float], scale: float = 1.0, digits: int = 0) -> str:
-        cells = (f"{figures[s] * scale:>12,.{digits}f}" if s in figures else f"{'-':>12}" for s in servers)
-        return f"{row:34}" + "".join(cells)
+Cells = list[str]
 
-    lines = [f"{'':34}" + "".join(f"{server:>12}" for server in servers)]
-    for row, figures in report.rates.items():
-        if " all" in row:
-            lines.append(line(row.replace(" all", f" {items}") + ", values/s", figures, items))
+
+def figures_of(report: Report, servers: Sequence[str], items: int) -> list[Cells]:
+    """Rows of a table, what was measured first."""
+
+    def row(name: str, figures: dict[str, float], scale: float = 1.0) -> Cells:
+        return [name, *(f"{figures[s] * scale:,.0f}" if s in figures else "-" for s in servers)]
+
+    rows = []
+    for name, figures in report.rates.items():
+        if " all" in name:
+            rows.append(row(name.replace(" all", f" {items}") + ", values/s", figures, items))
         else:
-            lines.append(line(row + ", requests/s", figures))
-    lines += [line(f"{row}, µs", figures, 1e6) for row, figures in report.latencies.items()]
-    if report.memory:
-        lines.append(line("memory per item, bytes", report.memory))
-    lines.append(f"the client used at most {report.busiest:.0%} of a core")
-    return lines + [f"missing: {note}" for note in report.notes]
+            rows.append(row(name + ", requests/s", figures))
+    rows += [row(f"{name}, µs", figures, 1e6) for name, figures in report.latencies.items()]
+    return rows + ([row("memory per item, bytes", report.memory)] if report.memory else [])
+
+
+def table(report: Report, servers: Sequence[str], items: int) -> list[str]:
+    rows = [["", *servers], *figures_of(report, servers, items)]
+    return [f"{name:38}" + "".join(f"{cell:>12}" for cell in cells) for name, *cells in rows]
+
+
+def markdown(report: Report, servers: Sequence[str], items: int, targets: list[dict[str, Any]]) -> list[str]:
+    """Both tables of docs/performance.md."""
+    names = {"stock": "stock asyncua"}
+    lines = ["| | " + " | ".join(names.get(s, s) for s in servers) + " |", "|---|" + "---:|" * len(servers)]
+    lines += ["| " + " | ".join(cells) + " |" for cells in figures_of(report, servers, items)]
+    lines += ["", "| target, to the best of the others | found | wanted |", "|---|---:|---:|"]
+    for entry in targets:
+        wanted = entry["target"].replace(">=", "≥").replace("<=", "≤")
+        lines.append(f"| {entry['name'].replace(' all', f' {items}')} | {entry['value']} | {wanted} |")
+    return [*lines, ""]
 
 
 # ---------------------------------------------------------------------- surroundings
@@ -310,7 +328,13 @@ def run_inside(options: argparse.Namespace) -> int:
         figures = {"rates": report.rates, "latencies": report.latencies, "memory": report.memory}
         print(json.dumps({"targets": targets, "missing": report.notes, **figures}))
     else:
-        print("\n".join(table(report, options.servers, options.items)))
+        if options.markdown:
+            print("\n".join(markdown(report, options.servers, options.items, targets)))
+        else:
+            print("\n".join(table(report, options.servers, options.items)))
+        print(f"the client used at most {report.busiest:.0%} of a core")
+        for note in report.notes:
+            print(f"missing: {note}")
         for entry in targets:
             print(f"{'holds' if entry['holds'] else 'MISSED'}  {entry['name']}: {entry['value']} ({entry['target']})")
     return 0 if all(entry["holds"] for entry in targets) else 1
@@ -336,7 +360,8 @@ def run_outside(options: argparse.Namespace) -> int:
             command += [f"--{name.replace('_', '-')}", str(getattr(options, name))]
         for line in options.missing:
             command += ["--missing", line]
-        return subprocess.run(command + ["--json"] * options.json, check=False).returncode
+        command += ["--json"] * options.json + ["--markdown"] * options.markdown
+        return subprocess.run(command, check=False).returncode
 
 
 def parse(arguments: Sequence[str] | None = None) -> argparse.Namespace:
@@ -354,6 +379,7 @@ def parse(arguments: Sequence[str] | None = None) -> argparse.Namespace:
 
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--json", action="store_true")
+    parser.add_argument("--markdown", action="store_true", help="the tables as docs/performance.md has them")
     parser.add_argument("--servers", type=servers, default=list(NAMES), help="of " + ", ".join(NAMES))
     parser.add_argument("--seconds", type=float, default=1.5, help="of each measurement")
     parser.add_argument("--rounds", type=int, default=3)
