@@ -21,6 +21,7 @@ from asyncua.ua.status_codes import StatusCodes
 from pcaccess.opcua import limits
 from pcaccess.opcua.ids import SYSTEM
 from pcaccess.opcua.limits import check_operations
+from pcaccess.opcua.registered import Registered
 from pcaccess.opcua.views import ContinuationPoints
 
 if TYPE_CHECKING:
@@ -42,8 +43,7 @@ class Session(InternalSession):
         """The connection that activated it last; no other may use it (5.6.3)."""
         self.certificate: bytes | None = None
         """Of the client that made it."""
-        self.handles: dict[int, ua.NodeId] = {}
-        """Registered NodeIds by the number of their handle."""
+        self.registered = Registered()
         if self.external:
             self.iserver.unregister_external_session(self)
             self.auth_token = ua.NodeId(ua.ByteString(secrets.token_bytes(32)), ua.Int16(0))
@@ -99,31 +99,27 @@ class Session(InternalSession):
         return [self._register(node) for node in nodes]
 
     def _register(self, node: ua.NodeId) -> ua.NodeId:
-        if self.iserver.space.row(node) is None or len(self.handles) >= limits.MAX_REGISTERED_NODES:
+        if self.iserver.space.row(node) is None or len(self.registered) >= limits.MAX_REGISTERED_NODES:
             return node
         number = self.iserver.next_handle()
-        self.handles[number] = node
+        self.registered.add(number, node)
         return ua.NodeId(ua.Int32(number), ua.Int16(SYSTEM))
 
     async def unregister_nodes(self, nodes: list[ua.NodeId]) -> None:
         """Forget handles; whatever is none is passed over (5.8.6)."""
         check_operations(nodes, limits.MAX_NODES_PER_REGISTER)
-        for node in nodes:
-            if node.NamespaceIndex == SYSTEM and isinstance(node.Identifier, int):
-                self.handles.pop(node.Identifier, None)
+        self.registered.give_back(number for node in nodes if (number := _handle(node)) is not None)
 
-    def registered(self, node: ua.NodeId) -> ua.NodeId:
+    def _meant(self, node: ua.NodeId) -> ua.NodeId:
         """What a handle of this session stands for; any other NodeId is itself."""
-        if node.NamespaceIndex == SYSTEM and isinstance(node.Identifier, int):
-            return self.handles.get(node.Identifier, node)
-        return node
+        number = _handle(node)
+        return (None if number is None else self.registered.find(number)) or node
 
     def _resolved(self, wanted: list[_Named]) -> list[_Named]:
-        if not self.handles:
+        if not self.registered:
             return wanted
         return [
-            w if (node := self.registered(w.NodeId)) is w.NodeId else dataclasses.replace(w, NodeId=node)
-            for w in wanted
+            w if (node := self._meant(w.NodeId)) is w.NodeId else dataclasses.replace(w, NodeId=node) for w in wanted
         ]
 
     # ------------------------------------------------------------------ subscriptions
@@ -142,7 +138,7 @@ class Session(InternalSession):
         self._check_owner(params.SubscriptionId)
         if self.external:
             check_operations(params.ItemsToCreate, limits.MAX_MONITORED_ITEMS_PER_CALL)
-            if self.handles:
+            if self.registered:
                 for item in params.ItemsToCreate:
                     (item.ItemToMonitor,) = self._resolved([item.ItemToMonitor])
         return await super().create_monitored_items(params)
@@ -226,6 +222,11 @@ class Session(InternalSession):
                 status = StatusCodes.BadUserAccessDenied if known else StatusCodes.BadSubscriptionIdInvalid
                 results.append(ua.TransferResult(StatusCode=ua.StatusCode(ua.UInt32(status))))
         return results
+
+
+def _handle(node: ua.NodeId) -> int | None:
+    """The number of what may be a handle."""
+    return node.Identifier if node.NamespaceIndex == SYSTEM and isinstance(node.Identifier, int) else None
 
 
 def _invalid_subscription() -> ua.StatusCode:

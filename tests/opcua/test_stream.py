@@ -224,3 +224,24 @@ async def test_a_plan_with_registered_nodes_is_their_sessions_own(running: Runni
             assert {r.StatusCode.value for r in (await wire.ask(read_request(*handles))).Results} == {0}
             results = (await other.ask(read_request(*handles))).Results
             assert {r.StatusCode.value for r in results} == {StatusCodes.BadNodeIdUnknown}
+
+
+@pytest.mark.parametrize("count", [2, 40])
+async def test_a_handle_that_was_given_back_is_unknown(running: RunningGateway, count: int) -> None:
+    """Plans and look-ups that were made with it are forgotten (Part 4, 5.8.6)."""
+    async with connected(running.server.port) as wire:
+        register = ua.RegisterNodesRequest()
+        register.Parameters.NodesToRegister = [ua.NodeId.from_string(PLC + "Motor")] * count
+        nodes = (await wire.ask(register)).Parameters.RegisteredNodeIds
+        handles = [node.to_string() for node in nodes]
+        for _ in range(3):
+            assert {r.StatusCode.value for r in (await wire.ask(read_request(*handles))).Results} == {0}
+        turned = (await wire.ask(read_request(*reversed(handles)))).Results
+        assert {r.StatusCode.value for r in turned} == {0}
+        unregister = ua.UnregisterNodesRequest()
+        unregister.Parameters.NodesToUnregister = nodes[:1]
+        assert fault(await wire.ask(unregister)) == 0
+        for wanted in (handles, handles[:1] + handles):
+            first, *others = (await wire.ask(read_request(*wanted))).Results
+            assert first.StatusCode.value == StatusCodes.BadNodeIdUnknown
+            assert others[-1].StatusCode.value == 0

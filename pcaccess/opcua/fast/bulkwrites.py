@@ -19,9 +19,9 @@ from pcaccess.opcua.fast.writerequest import (
     HAS_STATUS,
     NO_DIAGNOSTICS,
     PLAIN,
-    Registered,
     WriteRequest,
 )
+from pcaccess.opcua.registered import Registered
 from pcaccess.opcua.values import WRITE_STATUS
 from pcaccess.s7200.types import DataType
 

@@ -9,8 +9,8 @@ Source:   OPC UA Part 6, 5.2.2.9 NodeId (encoding 3 is a string: 03, namespace, 
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable
 from typing import Final
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from asyncua import ua
@@ -25,6 +25,8 @@ from pcaccess.items.varianttypes import VARIANT_TYPES
 from pcaccess.opcua.fast.columns import Positions
 from pcaccess.opcua.fast.shelves import MISSING, Shelves
 from pcaccess.opcua.ids import ITEMS, SYSTEM
+from pcaccess.opcua.limits import MAX_REGISTERED_NODES
+from pcaccess.opcua.registered import Issue, Registered
 from pcaccess.opcua.space import Space
 from pcaccess.project.model import Access
 from pcaccess.s7200.address import Address
@@ -64,6 +66,8 @@ class Lookup:
         self._space = space
         self._names: dict[bytes, int] = {}
         self._shelves = Shelves(MAX_NAMES, MAX_NAME)
+        self._handles: WeakKeyDictionary[Issue, Shelves] = WeakKeyDictionary()
+        """Of each session."""
         self._flags: NDArray[np.uint8] = np.zeros(0, np.uint8)
         self._types: NDArray[np.uint8] = np.zeros(0, np.uint8)
         self._station: NDArray[np.int32] = np.zeros(0, np.int32)
@@ -79,6 +83,7 @@ class Lookup:
         """Names may mean other rows, and rows other items."""
         self._names.clear()
         self._shelves.clear()
+        self._handles.clear()
         self._flags[:] = 0
         self._stations.clear()
         self._station_numbers.clear()
@@ -91,10 +96,10 @@ class Lookup:
 
     # ------------------------------------------------------------------ names
 
-    def resolve(self, encoded: bytes, registered: Callable[[ua.NodeId], ua.NodeId]) -> int:
+    def resolve(self, encoded: bytes, registered: Registered) -> int:
         """Row of an encoded NodeId, ``UNKNOWN_NODE`` or ``FOREIGN``.
 
-        ``registered`` gives what a handle of the session stands for.
+        ``registered``: the handles of the session that asks.
         """
         known = self._names.get(encoded)
         if known is not None:
@@ -107,7 +112,7 @@ class Lookup:
         return row
 
     def resolve_many(
-        self, data: bytes, starts: Positions, ends: Positions, registered: Callable[[ua.NodeId], ua.NodeId]
+        self, data: bytes, starts: Positions, ends: Positions, registered: Registered
     ) -> tuple[Positions, bool] | None:
         """The rows of NodeIds in ``data``, ``UNKNOWN_NODE`` where there is none; and whether a handle is among them.
 
@@ -116,21 +121,29 @@ class Lookup:
         self.refresh()
         removals = self._gateway.table.removals
         rows = self._shelves.rows(data, starts, ends - starts)
+        missing = np.flatnonzero(rows == MISSING)
         has_handles = False
-        for n in np.flatnonzero(rows == MISSING).tolist():
+        if len(missing) and registered:
+            own = self._handles.setdefault(registered.issue, Shelves(MAX_REGISTERED_NODES, MAX_NAME))
+            found = own.rows(data, starts[missing], ends[missing] - starts[missing])
+            has_handles = bool((found != MISSING).any())
+            rows[missing] = found
+            missing = missing[found == MISSING]
+        for n in missing.tolist():
             encoded = data[starts[n] : ends[n]]
             row = self._look_up(encoded, registered)
             if row == FOREIGN:
                 return None
             if encoded[0] != TEXT:
                 has_handles = True
+                own.learn(encoded, row)
             elif row >= 0:
                 self._shelves.learn(encoded, row)
             rows[n] = row
         # Making one dynamic item may have ended another.
         return (rows, has_handles) if self._gateway.table.removals == removals else None
 
-    def _look_up(self, encoded: bytes, registered: Callable[[ua.NodeId], ua.NodeId]) -> int:
+    def _look_up(self, encoded: bytes, registered: Registered) -> int:
         text = _item_name(encoded)
         if text is not None:
             row = self._gateway.find(text)
@@ -139,12 +152,9 @@ class Lookup:
                 return FOREIGN if exists else UNKNOWN_NODE
             return row
         handle = _handle(encoded)
-        if handle is not None:
-            target = registered(handle)
-            row = None if target is handle else self._space.row(target)
-            if row is not None:
-                return row
-        return FOREIGN
+        target = None if handle is None else registered.find(handle)
+        row = None if target is None else self._space.row(target)
+        return FOREIGN if row is None else row
 
     # ------------------------------------------------------------------ facts
 
@@ -232,10 +242,10 @@ def _item_name(encoded: bytes) -> str | None:
         return None
 
 
-def _handle(encoded: bytes) -> ua.NodeId | None:
-    """A numeric NodeId of the system namespace, if ``encoded`` is just that: what RegisterNodes hands out."""
+def _handle(encoded: bytes) -> int | None:
+    """The number of a NodeId of the system namespace, if ``encoded`` is just that: what RegisterNodes hands out."""
     if len(encoded) == 4 and encoded.startswith(bytes((1, SYSTEM))):
-        return ua.NodeId(ua.Int32(int.from_bytes(encoded[2:], "little")), ua.Int16(SYSTEM))
+        return int.from_bytes(encoded[2:], "little")
     if len(encoded) == 7 and encoded.startswith(bytes((2, SYSTEM, 0))):
-        return ua.NodeId(ua.Int32(int.from_bytes(encoded[3:], "little")), ua.Int16(SYSTEM))
+        return int.from_bytes(encoded[3:], "little")
     return None

@@ -151,7 +151,7 @@ class FastPath:
 
     def _read(self, call: _Call, session: Session, request: bytes, at: int, now: int) -> bytes | Job | None:
         reads = self._plane.reads
-        plan = reads.plan(request, at, session, session.registered)
+        plan = reads.plan(request, at, session.registered)
         if plan is None:
             return None
         if not plan.polled:
@@ -162,7 +162,7 @@ class FastPath:
     async def _read_later(self, call: _Call, session: Session, request: bytes, at: int, plan: ReadPlan) -> bytes:
         reads = self._plane.reads
         await reads.fetch(plan, reads.max_age(request, at))
-        again = reads.plan(request, at, session, session.registered)  # rows may have gone while it waited
+        again = reads.plan(request, at, session.registered)  # rows may have gone while it waited
         now = self._plane.gateway.now()
         if again is None:
             return call.fault(StatusCodes.BadInvalidState, now)

@@ -51,7 +51,7 @@ class ReadPlan:
     def __init__(self, times: int, table: ItemTable) -> None:
         self.generation = table.generation
         self.owner: object | None = None
-        """The session whose registered nodes the request names; None for names that all may use."""
+        """``Registered.issue`` of the session whose handles the request has; None for names that all may use."""
         self.live: list[Station] = []
         """PLCs whose samples are as new as the question."""
         self.polled: list[int] = []

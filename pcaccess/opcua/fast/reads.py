@@ -11,11 +11,9 @@ Source:   OPC UA Part 4, 5.10.2 Read.
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable
 from typing import Final
 
 import numpy as np
-from asyncua import ua
 
 from pcaccess.gateway.gateway import Gateway
 from pcaccess.opcua.fast.columns import Marker, Positions
@@ -23,6 +21,7 @@ from pcaccess.opcua.fast.lookup import FOREIGN, TEXT, Lookup
 from pcaccess.opcua.fast.plans import Plans
 from pcaccess.opcua.fast.readplans import ReadPlan, make_plan
 from pcaccess.opcua.limits import MAX_NODES_PER_READ
+from pcaccess.opcua.registered import Registered
 
 _MAX_AGE: Final = struct.Struct("<d")
 _HEAD: Final = struct.Struct("<ii")
@@ -32,8 +31,6 @@ _PLAIN: Final = b"\x0d\x00\x00\x00\xff\xff\xff\xff\x00\x00\xff\xff\xff\xff"
 _MARKER: Final = Marker(_PLAIN)
 _MANY: Final = 32
 """From so many nodes on columns are worth their cost."""
-
-Registered = Callable[[ua.NodeId], ua.NodeId]
 
 
 class Reads:
@@ -45,7 +42,7 @@ class Reads:
         self._lookup = lookup
         self.plans: Plans[ReadPlan] = Plans()
 
-    def plan(self, request: bytes, at: int, session: object, registered: Registered) -> ReadPlan | None:
+    def plan(self, request: bytes, at: int, registered: Registered) -> ReadPlan | None:
         """How to answer the parameters that begin at ``at``. None: asyncua must.
 
         MaxAge says when to answer, not how: requests that differ in it alone share a plan.
@@ -54,9 +51,9 @@ class Reads:
             return None
         asked = request[at + _MAX_AGE.size :]
         plan = self.plans.get(asked)
-        if plan is not None and plan.generation == self._table.generation and plan.owner in (None, session):
+        if plan is not None and plan.generation == self._table.generation and plan.owner in (None, registered.issue):
             return plan
-        made = self._make(asked, session, registered)
+        made = self._make(asked, registered)
         if made is not None:
             self.plans.offer(asked, made)
         elif plan is not None:
@@ -81,7 +78,7 @@ class Reads:
         """Wait until the samples are as new as the request wants them; milliseconds."""
         await self._gateway.read(plan.polled, max_age / 1000)
 
-    def _make(self, asked: bytes, session: object, registered: Registered) -> ReadPlan | None:
+    def _make(self, asked: bytes, registered: Registered) -> ReadPlan | None:
         if len(asked) < _HEAD.size:
             return None
         times, count = _HEAD.unpack_from(asked)
@@ -92,7 +89,7 @@ class Reads:
             return None
         rows, has_handles = found
         plan = make_plan(times, rows, self._lookup, self._table)
-        plan.owner = session if has_handles else None
+        plan.owner = registered.issue if has_handles else None
         return plan
 
     def _find_many(self, asked: bytes, count: int, registered: Registered) -> tuple[Positions, bool] | None:

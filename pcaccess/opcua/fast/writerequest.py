@@ -6,12 +6,10 @@ Source:   OPC UA Part 4, 5.10.4 Write; Part 6, 5.2.2.16 Variant and 5.2.2.17 Dat
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final
 
-from asyncua import ua
 from asyncua.ua.status_codes import StatusCodes
 
 COUNT: Final = struct.Struct("<i")
@@ -31,8 +29,6 @@ EXTRAS: Final = MappingProxyType(
 """Bytes behind the value of a DataValue, by its mask: status, source time, its picoseconds, server time, its."""
 NO_DIAGNOSTICS: Final = COUNT.pack(-1)
 DONE: Final = int(StatusCodes.Good)
-
-Registered = Callable[[ua.NodeId], ua.NodeId]
 
 
 @dataclass(slots=True)

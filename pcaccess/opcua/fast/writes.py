@@ -30,10 +30,10 @@ from pcaccess.opcua.fast.writerequest import (
     HAS_STATUS,
     NO_DIAGNOSTICS,
     PLAIN,
-    Registered,
     WriteRequest,
 )
 from pcaccess.opcua.limits import MAX_NODES_PER_WRITE
+from pcaccess.opcua.registered import Registered
 from pcaccess.opcua.values import WRITE_STATUS
 from pcaccess.s7200.types import Value
 
