@@ -12,7 +12,7 @@ from typing import Final
 import yaml
 
 from pcaccess.project.model import Server
-from pcaccess.project.network import DEFAULT_WEB, NetworkError, check_web
+from pcaccess.project.network import DEFAULT_WEB, NetworkError, parse_web
 
 PROJECT_FILE: Final = "items.yaml"
 DEFAULT_ENDPOINT: Final = Server().endpoint
@@ -26,7 +26,7 @@ def default_url(project: Path | None = None) -> str:
 def default_web(project: Path | None = None) -> str | None:
     """``host:port`` of the web server in the project file, as above; None where it is off."""
     try:
-        return check_web(_skim(project, "web") or DEFAULT_WEB)
+        return parse_web(_skim(project, "web") or DEFAULT_WEB)
     except NetworkError:
         return DEFAULT_WEB
 

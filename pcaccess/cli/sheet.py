@@ -146,7 +146,7 @@ def collect(
     _kind(book, ".xlsx")
     interval = duration(every) or 1.0
     try:
-        source = GatewaySource(GatewayClient(gateway_url(url, None)))
+        source = GatewaySource(GatewayClient(_gateway(url)))
         again = chosen_again(book, source) if group is None and not items else None
         chosen = again or choose(source, group, items or [])
         done = run(book, source, chosen, interval, duration(period), rows)
@@ -216,14 +216,16 @@ def chosen_of(source: Source, group: str | None, items: list[str] | None, *, pic
     return Chosen(picker.chosen)
 
 
-def gateway_url(url: str | None, project: Path | None) -> str:
-    """The gateway to collect from: named, or that of the project file."""
+def _gateway(url: str | None) -> str:
+    """The gateway to collect from: named, or that of ``./items.yaml``."""
+    from pcaccess.sheet.links import gateway_url
+
     if url is not None:
         return url
-    web = default_web(project)
+    web = default_web()
     if web is None:
         raise Failed("the project has no web server (server: web: off), which spreadsheets need; name one with --url")
-    return f"http://{web}"
+    return gateway_url(web)
 
 
 def _program(word: str, programs: type[Program]) -> Program:

@@ -15,6 +15,12 @@ MAX_QUERY: Final = 60_000
 """Characters; the gateway takes a head of 64 KB."""
 
 
+def gateway_url(web: str) -> str:
+    """Where a program of this machine finds a gateway that serves at ``web`` (``host:port`` of the project file)."""
+    host, _, port = web.rpartition(":")
+    return f"http://{'127.0.0.1' if host == '0.0.0.0' else host}:{port}"
+
+
 def item_path(item_id: str, what: str = "") -> str:
     """``/api/items/ID`` or ``/api/items/ID/value``."""
     return f"/api/items/{quote(item_id, safe='')}{what and '/' + what}"

@@ -7,10 +7,11 @@ from dataclasses import dataclass, field
 from typing import Any, Final, Protocol
 
 from pcaccess.project.model import Access, Project
+from pcaccess.project.network import DEFAULT_WEB
 from pcaccess.s7200.types import DataType
 from pcaccess.sheet.client import GatewayClient, Refused
 from pcaccess.sheet.entries import Entry, GroupEntry, SheetError
-from pcaccess.sheet.links import item_path
+from pcaccess.sheet.links import gateway_url, item_path
 
 TITLE: Final = "PLC values"
 """Of a workbook, where the project has no name."""
@@ -44,7 +45,7 @@ class ProjectSource:
         if gateway is None and project.server.web is None:
             raise SheetError("the project has no web server (server: web: off), which spreadsheets need")
         self._project = project
-        self._gateway = gateway or f"http://{project.server.web}"
+        self._gateway = gateway or gateway_url(project.server.web or DEFAULT_WEB)
 
     @property
     def title(self) -> str:
