@@ -162,6 +162,7 @@ Function InsertFormulas(oAt As Object, aItems As Variant, sWhat As String) As St
 			oCell = oSheet.getCellByPosition(nColumn + nLetter - 1, nRow)
 			oCell.String = TitleOf(Mid(sLetters, nLetter, 1))
 			oCell.CellStyle = "Title row"
+			If Mid(sLetters, nLetter, 1) = "V" Then oCell.CellStyle = "Title row right"
 		Next nLetter
 		nRow = nRow + 1
 	End If
@@ -198,16 +199,19 @@ End Function
 Sub PutFormula(oCell As Object, sItem As String, sLetter As String)
 	Dim sKey As String, sJson As String
 	sKey = """" & Replace(sItem, """", """""") & """"
+	oCell.CellStyle = "Text"
 	Select Case sLetter
 		Case "I"
 			oCell.String = sItem
 		Case "V"
 			oCell.Formula = "=IFNA(VLOOKUP(" & sKey & ";PCA_LIVE;2;0);IFNA(VLOOKUP(" & sKey & ";PCA_LAST;2;0);""""))"
+			oCell.CellStyle = "Value"
 		Case "U"
 			HttpGet("/api/items/" & Encoded(sItem), sJson)
 			oCell.String = Member(sJson, "unit")
 		Case "Q"
 			oCell.Formula = "=IFNA(VLOOKUP(" & sKey & ";PCA_LIVE;3;0);PCA_MISSING)"
+			oCell.CellStyle = "Code"
 		Case "N"
 			oCell.Formula = "=IFNA(VLOOKUP(" & sKey & ";PCA_LIVE;4;0);PCA_MISSING_NAME)"
 		Case "T"

@@ -48,6 +48,8 @@ Function WriteItem(sItem As String, sValue As String) As String
 	If sWhy <> "" Then
 		If HttpGet(sPath & "/check?value=" & Encoded(sValue), sCheck) = "" And sCheck <> "ok" Then
 			sWhy = sCheck
+			If InStr(sWhy, sItem) = 1 Then sWhy = Trim(Mid(sWhy, Len(sItem) + 1))
+			If Left(sWhy, 1) = ":" Then sWhy = Trim(Mid(sWhy, 2))
 		ElseIf HttpGet(sPath & "/quality", sQuality) = "" And sQuality <> "192" Then
 			sWhy = sWhy & " (quality " & sQuality & ")"
 		End If

@@ -140,7 +140,7 @@ def _chart(sheet: Worksheet, chosen: Chosen) -> None:
     chart.set_categories(Reference(sheet, min_col=1, min_row=_FIRST + 1, max_row=_FIRST + TREND))
     chart.x_axis.delete = chart.y_axis.delete = False
     chart.x_axis.number_format = "hh:mm:ss"
-    chart.x_axis.tickLblSkip = chart.x_axis.tickMarkSkip = TREND // 15
+    chart.x_axis.tickLblSkip = chart.x_axis.tickMarkSkip = TREND // 10
     for line in chart.series:
         line.smooth = False
         line.marker.symbol = "none"

@@ -260,10 +260,11 @@ def _log_column(place: int) -> str:
 def _log(book: Book) -> Sheet:
     entries = book.chosen.readable
     titles = [Cell("Time", "Title row")]
-    columns = [Column(4.6, "Time stamp")]
+    columns = [Column(4.6)]
     for entry in entries:
         titles += [Cell(entry.item_id, "Title row"), Cell("quality", "Title row")]
-        columns += [Column(4.2, _value_style(entry)), Column(1.8, "Code")]
+        width = max(3.4, min(6.5, 0.24 * len(entry.item_id)))
+        columns += [Column(round(width, 1)), Column(1.8)]
     conditions = []
     if entries:
         last = _log_column(2 * len(entries))
@@ -369,15 +370,15 @@ _SETTINGS: Final = ("Gateway", "Source", "Every", "Log", "LogRows", "Running", "
 
 
 def _settings(book: Book) -> Sheet:
-    source = Cell(source_path(book.chosen), "Write cell")
-    rows_now = Cell(style="Text", formula=f"COUNT([$Log.$A$2:.$A${LOG_ROWS + 1}])")
+    source = Cell(source_path(book.chosen), "Setting")
+    rows_now = Cell(style="Left", formula=f"COUNT([$Log.$A$2:.$A${LOG_ROWS + 1}])")
     values: list[tuple[str, Cell, str]] = [
-        ("Gateway", Cell(book.gateway, "Write cell"), "Where pcaccess serves its web page; pcaccess run says it"),
+        ("Gateway", Cell(book.gateway, "Setting"), "Where pcaccess serves its web page; pcaccess run says it"),
         ("Source", source, "What is collected: a group or a list of items; the wizards extend it"),
-        ("Every", Cell(book.every, "Write cell"), "Seconds between two refreshes; press Start after a change"),
-        ("Log", Cell("yes", "Write cell"), "yes: each refresh adds a row to the log; no: it does not"),
-        ("LogRows", Cell(LOG_ROWS, "Write cell"), "The log ends here"),
-        ("Running", Cell(1, "Text"), "1 while collecting; the buttons set it"),
+        ("Every", Cell(book.every, "Setting"), "Seconds between two refreshes; press Start after a change"),
+        ("Log", Cell("yes", "Setting"), "yes: each refresh adds a row to the log; no: it does not"),
+        ("LogRows", Cell(LOG_ROWS, "Setting"), "The log ends here"),
+        ("Running", Cell(1, "Left"), "1 while collecting; the buttons set it"),
         ("Rows", rows_now, "Rows in the log"),
     ]
     rows = [Row([Cell("Settings", "Title", span=3)], 1.0)]

@@ -97,6 +97,17 @@ STYLES: Final[Mapping[str, CellStyle]] = MappingProxyType(
             {"fo:text-align": "end"},
             {**_BOLD},
         ),
+        "Setting": CellStyle(
+            {
+                **_MIDDLE,
+                "fo:background-color": "#fff6cc",
+                "fo:border": "0.75pt solid #d9b93b",
+                "style:text-align-source": "fix",
+            },
+            {"fo:text-align": "start"},
+            {},
+        ),
+        "Left": CellStyle({**_UNDERLINED, "style:text-align-source": "fix"}, {"fo:text-align": "start"}, {}),
         "Good": CellStyle({"fo:background-color": "#dff3e4"}, {}, {"fo:color": "#1b6e3c"}),
         "Uncertain": CellStyle({"fo:background-color": "#fff0c2"}, {}, {"fo:color": "#7a5600"}),
         "Bad": CellStyle({"fo:background-color": "#f9d6d9"}, {}, {**_BOLD, "fo:color": "#a01522"}),
