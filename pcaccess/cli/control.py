@@ -10,7 +10,7 @@ import typer
 
 from pcaccess.cli.failures import Failed
 from pcaccess.cli.options import AsJson, Url, server_url
-from pcaccess.cli.output import complain, json_line, json_list, show, show_table
+from pcaccess.cli.output import complain, json_line, json_list, show, show_table, working
 
 PlcName = Annotated[str, typer.Argument(metavar="LINK.PLC", help="The PLC.")]
 
@@ -93,7 +93,8 @@ def download(
         raise Failed(f"{file} cannot be opened: {error.strerror}") from None
     if len(content) > MAX_BYTES:
         raise Failed(f"{file} has more than {MAX_BYTES:,} bytes; no program is so large")
-    done = asyncio.run(run(server_url(url), plc, str(file), content))
+    with working(f"{file} is checked and compiled"):
+        done = asyncio.run(run(server_url(url), plc, str(file), content))
     if as_json:
         json_line(done.as_json())
     else:

@@ -95,6 +95,10 @@ async def switch(url: str, plc: str, method: str) -> tuple[str, str]:
         return state.item_id, state.mode
 
 
+DOWNLOAD_PATIENCE: Final = 120.0
+"""Seconds that checking and compiling a program may take on a small machine that has much to do."""
+
+
 @dataclass(frozen=True, slots=True)
 class Download:
     """What became of a program that a PLC was given."""
@@ -117,6 +121,7 @@ async def download(url: str, plc: str, name: str, program: bytes) -> Download:
         node = _find(remote, plc, await _plcs(remote))
         arguments = (ua.Variant(name, ua.VariantType.String), ua.Variant(program, ua.VariantType.ByteString))
         before = await _state(remote, node)
+        remote.be_patient(DOWNLOAD_PATIENCE)
         accepted, problems = await _call_plc(remote, node, "Download", *arguments)
         after = await _state(remote, node)
         return Download(after.item_id, bool(accepted), list(problems or []), before.mode, after.mode)

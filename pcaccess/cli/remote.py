@@ -59,6 +59,12 @@ class Remote:
         self._changes: asyncio.Queue[list[Change] | None] = asyncio.Queue()
         """None: the subscription ended."""
 
+    def be_patient(self, patience: float) -> None:
+        """Give answers so many seconds from now on."""
+        protocol = self._client.uaclient.protocol
+        assert protocol is not None
+        self._patience = protocol.timeout = patience
+
     async def _ask(self, answer: Awaitable[T]) -> T:
         try:
             return await answer

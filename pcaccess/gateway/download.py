@@ -45,10 +45,11 @@ async def download(gateway: Gateway, plc: str, data: bytes, name: str) -> Downlo
     cpu = link.scanning(plc) if isinstance(link, SoftLink) else None
     if station is None or cpu is None:
         raise DownloadError(f"{plc} runs no program; only a soft PLC with a 'program:' takes one")
-    result = await asyncio.to_thread(_load, data, station.plc.cpu, name)
-    if not result.ok:
-        return Downloaded(False, result.problems)
-    why = await cpu.exchange(result.unwrap())
+    async with cpu.giving:
+        result = await asyncio.to_thread(_load, data, station.plc.cpu, name)
+        if not result.ok:
+            return Downloaded(False, result.problems)
+        why = await cpu.exchange(result.unwrap())
     if why:
         return Downloaded(False, result.problems, f"{name}: {why}")
     log.info("%s: program %s downloaded", plc, name)

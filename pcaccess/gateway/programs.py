@@ -7,11 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from pcaccess.problems import Problem, ProblemError
 from pcaccess.project.model import LinkType, Plc, Project
 from pcaccess.stl.checker import load_program
 from pcaccess.stl.program import Program
+from pcaccess.stl.reader import ReadResult
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,15 +28,18 @@ class Programs:
 
 
 def load_programs(project: Project) -> Programs:
-    """Read every ``program:`` of the project's soft links."""
+    """Read every ``program:`` of the project's soft links; one that several PLCs run, once."""
     found: dict[str, Program] = {}
+    results: dict[tuple[Path, str], ReadResult] = {}
     problems: list[Problem] = []
     for link in project.links:
         for plc in link.plcs if link.type is LinkType.SOFT else ():
             if plc.program is None:
                 continue
-            result = load_program(plc.program, plc.cpu)
-            problems.extend(result.problems)
+            result = results.get((plc.program, plc.cpu.name))
+            if result is None:
+                result = results[plc.program, plc.cpu.name] = load_program(plc.program, plc.cpu)
+                problems.extend(p for p in result.problems if p not in problems)
             if result.program is not None:
                 found[plc.item_id] = result.program
     if any(problem.is_error for problem in problems):

@@ -55,6 +55,8 @@ class ScanningPlc:
         self._told = 0
         self._stopped_by_fault = False
         self._answers: list[asyncio.Future[Outcome]] = []
+        self.giving = asyncio.Lock()
+        """For who gives it a program, so that of two the later one runs in the end."""
         self._ended = False
         self._failed = False
         """It scans nothing until somebody starts it or gives it another program."""

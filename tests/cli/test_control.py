@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 import pytest_asyncio
 
+from pcaccess.cli.remote import Lost, connect
 from pcaccess.gateway.projectfile import ProjectFile
 from pcaccess.project.load import load_project
 from tests.cli.conftest import Command, Outcome, invoke
@@ -148,3 +149,14 @@ async def test_a_broken_project_is_not_and_says_why(command: Command, served: tu
     assert (outcome.code, outcome.out) == (1, "")
     assert "items.yaml:7:" in outcome.err
     assert json.loads(told.out)["applied"] is False
+
+
+async def test_answers_may_take_as_long_as_they_are_given(served: tuple[Path, str]) -> None:
+    """A large program is compiled for longer than a server usually has for an answer."""
+    async with connect(served[1]) as remote:
+        (mode,) = await remote.read_values([remote.of_system("L.Runs/Mode")])
+        assert mode.Value is not None
+        remote.be_patient(1e-6)
+        with pytest.raises(Lost, match="did not answer within 1e-06 s"):
+            await remote.read_values([remote.of_system("L.Runs/Mode")])
+        remote.be_patient(60)

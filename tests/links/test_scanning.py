@@ -95,3 +95,13 @@ async def test_a_program_that_cannot_be_compiled_says_so_and_the_old_one_goes_on
             ["new.awl: it cannot be compiled; the log of pcaccess run says why"],
         )
         assert await write(running) == [Outcome.DONE]
+
+
+async def test_of_two_programs_given_at_once_the_later_one_runs_in_the_end(tmp_path: Path) -> None:
+    large = "LD SM0.0\nMOVW 1, VW100\n" + "INCW VW102\n" * 500
+    async with start_gateway(plant(tmp_path)) as running:
+        scanning = running.gateway.driver("MicroWin").scanning(STATION)
+        both = await asyncio.gather(give(running, large), give(running, "LD SM0.0\nMOVW 2, VW100\n"))
+        assert [done.accepted for done in both] == [True, True]
+        assert await write(running) == [Outcome.DONE]
+        assert scanning.cpu.read(parse_address("VW100"), DataType.INT) == 2
