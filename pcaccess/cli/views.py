@@ -10,7 +10,7 @@ from rich.console import Console, Group
 from rich.live import Live
 from rich.text import Text
 
-from pcaccess.cli.output import GAP, Row, as_cell, complain, json_line, note, rich_table
+from pcaccess.cli.output import GAP, Row, as_cell, complain, counted, json_line, note, rich_table
 from pcaccess.cli.samples import COLUMNS, Shown
 from pcaccess.cli.streams import put_now
 from pcaccess.project.durations import format_duration
@@ -111,8 +111,9 @@ class LiveTable:
         rows = [self._row(item) for item in self._items[:room]]
         hidden = len(self._items) - len(rows)
         more = f"; {hidden} more do not fit, name fewer" if hidden else ""
+        items = counted({"items": len(self._items)}, "items") or "no items"
         every = format_duration(self._interval) if self._interval else ""
-        foot = Text(f"{self._url}, {len(self._items)} items, every {every}{more}. Ctrl-C ends.", "dim")
+        foot = Text(f"{self._url}, {items}, every {every}{more}. Ctrl-C ends.", "dim")
         return Group(rich_table(COLUMNS, rows), Text(self._trouble, "bold red") if self._trouble else foot)
 
     def _row(self, item: str) -> Row:
