@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, field
 from typing import Final
 
 from pcaccess.problems import Span
@@ -21,6 +20,7 @@ from pcaccess.stl.headers import (
     OLD_ENDS,
     SECTIONS,
     NetworkHeader,
+    find_headers,
     header_text,
     is_header,
     keyword_of,
@@ -30,49 +30,11 @@ from pcaccess.stl.headers import (
     parse_network,
     parse_old_start,
 )
-from pcaccess.stl.lexer import Statement, comment_text, first_word, split_code
+from pcaccess.stl.lexer import comment_text, first_word, split_code
 from pcaccess.stl.problems import Collector
 from pcaccess.stl.program import PouKind, Section
+from pcaccess.stl.rawblocks import RawBlock, RawFile, RawNetwork
 from pcaccess.stl.statements import StatementReader, shortened
-
-
-@dataclass(slots=True)
-class RawNetwork:
-    number: int
-    title: str
-    span: Span
-    comment: list[str] = field(default_factory=list)
-    statements: list[Statement] = field(default_factory=list)
-    after: list[str] = field(default_factory=list)
-
-
-@dataclass(slots=True)
-class RawBlock:
-    kind: PouKind
-    number: int
-    name: str
-    span: Span
-    keyword: str = ""
-    """The header's first word; empty when the block has no header."""
-    title: str = ""
-    comment: list[str] = field(default_factory=list)
-    declarations: list[tuple[Section, int, str]] = field(default_factory=list)
-    """Section, line number, line."""
-    networks: list[RawNetwork] = field(default_factory=list)
-    ended: bool = False
-    """MEND, RET or RETI was read."""
-
-
-NumberedLine = tuple[int, int, str]
-"""Line number, characters cut off before the text, text."""
-
-
-@dataclass(slots=True)
-class RawFile:
-    blocks: list[RawBlock] = field(default_factory=list)
-    symbols: list[NumberedLine] = field(default_factory=list)
-    data: list[NumberedLine] = field(default_factory=list)
-
 
 MAX_LINE: Final = 4000
 """Characters; no line of a program is longer."""
@@ -94,7 +56,7 @@ class _BlockReader:
         self.known = known
         self.statements = StatementReader(problems, known)
         self.file = RawFile()
-        headers, self.heads = _find_headers(lines)
+        headers, self.heads = find_headers(lines)
         """``heads``: numbers of the block headers that have their BEGIN."""
         self.explicit = headers > 0
         """The file has block headers, so text outside of blocks is a mistake."""
@@ -415,21 +377,3 @@ class _BlockReader:
     def span(self, number: int, line: str) -> Span:
         """The text of a line without the blanks around it."""
         return self.problems.span(number, len(line) - len(line.lstrip()) + 1, len(line.strip()))
-
-
-def _find_headers(lines: Sequence[str]) -> tuple[int, frozenset[int]]:
-    """How many block headers there are, and the line numbers of those with a BEGIN before their first network."""
-    count = 0
-    heads = []
-    header = 0
-    for number, line in enumerate(lines, 1):
-        word = first_word(line).upper()
-        if is_header(line):
-            count += 1
-            header = number
-        elif word == "BEGIN" and header:
-            heads.append(header)
-            header = 0
-        elif word.startswith("NETWORK") or word.endswith("_BLOCK"):
-            header = 0
-    return count, frozenset(heads)

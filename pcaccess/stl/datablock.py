@@ -22,11 +22,11 @@ from pcaccess.problems import Problem
 from pcaccess.s7200.address import Address, AddressError, Area, Width, parse_address
 from pcaccess.s7200.cpu import CpuModel
 from pcaccess.s7200.types import MAX_STRING, DataType, ValueRangeError
-from pcaccess.stl.blocks import NumberedLine
 from pcaccess.stl.constants import ConstantError, Number, parse_number, parse_text
 from pcaccess.stl.lexer import Word, first_word, pieces_of, split_code
 from pcaccess.stl.problems import Collector
 from pcaccess.stl.program import ConstantForm, DataBlock, DataRow, SymbolTable
+from pcaccess.stl.rawblocks import NumberedLine
 from pcaccess.stl.text import NotText, decode, read
 
 _BARE: Final = re.compile(r"V(\d{1,6})?", re.IGNORECASE | re.ASCII)

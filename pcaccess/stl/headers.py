@@ -100,6 +100,24 @@ def parse_header(code: str, keyword: str) -> Header:
     return Header(kind, number, name, right)
 
 
+def find_headers(lines: Sequence[str]) -> tuple[int, frozenset[int]]:
+    """How many block headers there are, and the line numbers of those with a BEGIN before their first network."""
+    count = 0
+    heads = []
+    header = 0
+    for number, line in enumerate(lines, 1):
+        word = first_word(line).upper()
+        if is_header(line):
+            count += 1
+            header = number
+        elif word == "BEGIN" and header:
+            heads.append(header)
+            header = 0
+        elif word.startswith("NETWORK") or word.endswith("_BLOCK"):
+            header = 0
+    return count, frozenset(heads)
+
+
 class NetworkHeader(NamedTuple):
     number: int | None
     column: int

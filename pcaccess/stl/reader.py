@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Final
 
 from pcaccess.problems import Problem, ProblemError, Span
-from pcaccess.stl.blocks import RawBlock, RawFile, read_blocks
+from pcaccess.stl.blocks import read_blocks
 from pcaccess.stl.datablock import parse_data_block, read_data_block
 from pcaccess.stl.definitions import DEFINITIONS
 from pcaccess.stl.foreign import s7_300_lines
@@ -35,6 +35,7 @@ from pcaccess.stl.program import (
     Unresolved,
     Variable,
 )
+from pcaccess.stl.rawblocks import RawBlock, RawFile
 from pcaccess.stl.symbols import parse_symbols, read_symbols
 from pcaccess.stl.text import NotText, decode, read
 from pcaccess.stl.unknown import EXPLAINED, report_unknown

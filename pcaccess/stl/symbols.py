@@ -18,11 +18,11 @@ from typing import Final
 from pcaccess.problems import Problem, Span
 from pcaccess.s7200.address import Address, AddressError, parse_address
 from pcaccess.s7200.types import DATA_TYPE_NAMES
-from pcaccess.stl.blocks import NumberedLine
 from pcaccess.stl.constants import ConstantError, ascii_value, parse_number, parse_text, string_value
 from pcaccess.stl.headers import parse_block_name
 from pcaccess.stl.problems import Collector
 from pcaccess.stl.program import Constant, ConstantForm, PouReference, Symbol, SymbolTable
+from pcaccess.stl.rawblocks import NumberedLine
 from pcaccess.stl.text import NotText, decode, read
 
 _NAME: Final = re.compile(r"[^\W\d](?:[\w ]*\w)?")

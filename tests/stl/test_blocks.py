@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from pcaccess.stl.blocks import RawFile, read_blocks
+from pcaccess.stl.blocks import read_blocks
 from pcaccess.stl.definitions import DEFINITIONS
 from pcaccess.stl.problems import Collector
+from pcaccess.stl.rawblocks import RawFile
 
 
 def read(text: str) -> tuple[RawFile, list[str]]:
