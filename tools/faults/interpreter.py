@@ -81,7 +81,7 @@ INTERPRETER: Final = (
         _INTERPRETER,
         "        registers[function.variables :] = function.initial\n",
         "",
-        table("control"),
+        table("stack"),
     ),
     Fault(
         "interpreter-recursion-shares",
