@@ -137,8 +137,6 @@ class Office:
             stdout=subprocess.PIPE,
             text=True,
         )
-        self._watchdog = threading.Timer(3 * PATIENCE, self._driver.kill)
-        self._watchdog.start()
         assert self._answer() == "ready"
 
     def __call__(self, command: str, *arguments: Any) -> Any:
@@ -154,16 +152,17 @@ class Office:
 
     def _answer(self) -> Any:
         assert self._driver.stdout is not None
+        watchdog = threading.Timer(2 * PATIENCE, self._driver.kill)
+        watchdog.start()
         line = self._driver.stdout.readline()
+        watchdog.cancel()
         assert line, "the driver of LibreOffice ended"
         return json.loads(line)
 
     def end(self) -> None:
-        self._watchdog.cancel()
-        with contextlib.suppress(AssertionError, OSError):
-            self("quit")
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self._driver.communicate(timeout=20)  # the end of its input ends the office
         self._driver.kill()
-        self._driver.communicate()
         try:
             self._office.wait(10)
         except subprocess.TimeoutExpired:

@@ -5,6 +5,7 @@ One JSON list per line comes in, [command, arguments…]; one JSON value per lin
 
 from __future__ import annotations
 
+import contextlib
 import json
 import sys
 import time
@@ -136,6 +137,9 @@ def main() -> None:
         except Exception as error:
             answer = {"error": f"{type(error).__name__}: {getattr(error, 'Message', '') or error}"}
         print(json.dumps(answer), flush=True)
+    # The tests are gone, however they ended: no office stays behind.
+    with contextlib.suppress(Exception):
+        driver.quit()
 
 
 main()

@@ -11,7 +11,8 @@ from typing import Any
 
 import pytest
 
-from tests.sheet.conftest import EXAMPLE, Gateway, Office, done
+from tests.cli.conftest import invoke
+from tests.sheet.conftest import EXAMPLE, Gateway, Office
 
 PROJECT = ("--project", str(EXAMPLE / "items.yaml"))
 SETPOINT, SPEED, MOTOR, TEMPERATURE, PRESSURE, FLAME = range(7, 13)
@@ -59,8 +60,8 @@ class Book:
 @pytest.fixture
 def book(office: Office, gateway: Gateway, tmp_path: Path) -> Iterator[Book]:
     path = office.trusted / f"{tmp_path.name}.ods"
-    code, _, err = done("sheet", "new", str(path), "--group", "Fast", *PROJECT, "--url", gateway.url, folder=tmp_path)
-    assert code == 0, err
+    made = invoke("sheet", "new", str(path), "--group", "Fast", *PROJECT, "--url", gateway.url)
+    assert made.code == 0, made.err
     opened = Book(office, path)
     assert opened("trusted"), "macros may not run in the trusted folder"
     try:
@@ -229,7 +230,7 @@ def test_where_the_user_does_not_trust_nothing_runs_and_the_book_says_what_to_pe
     office: Office, gateway: Gateway, tmp_path: Path
 ) -> None:
     path = tmp_path / "elsewhere.ods"
-    assert done("sheet", "new", str(path), *PROJECT, "--url", gateway.url, folder=tmp_path)[0] == 0
+    assert invoke("sheet", "new", str(path), *PROJECT, "--url", gateway.url).code == 0
     book = Book(office, path)
     try:
         assert not book("trusted")
@@ -242,7 +243,7 @@ def test_webservice_cells_of_an_excel_workbook_ask_again_when_the_tick_changes(
     office: Office, gateway: Gateway, tmp_path: Path
 ) -> None:
     path = office.trusted / "tick.xlsx"
-    assert done("sheet", "new", str(path), *PROJECT, "--url", gateway.url, folder=tmp_path)[0] == 0
+    assert invoke("sheet", "new", str(path), *PROJECT, "--url", gateway.url).code == 0
     gateway.write("MicroWin.Mixer.Setpoint", "11")
     book = Book(office, path)
     try:
