@@ -59,7 +59,8 @@ def new(
     from pcaccess.clock import SystemClock
     from pcaccess.sheet.entries import SheetError
     from pcaccess.sheet.files import opened_by, replacing
-    from pcaccess.sheet.ods.book import Book, ods_book
+    from pcaccess.sheet.ods.book import ods_book
+    from pcaccess.sheet.ods.sheets import Book
     from pcaccess.sheet.xlsx.book import xlsx_book
 
     kind = _kind(book, ".ods", ".xlsx")

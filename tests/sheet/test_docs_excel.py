@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from pcaccess.sheet.collect.workbook import TREND as COLLECTED
-from pcaccess.sheet.ods.book import LOG_ROWS, TREND
+from pcaccess.sheet.ods.sheets import LOG_ROWS, TREND
 from tests.sheet.conftest import EXAMPLE, ROOT, Gateway, done
 
 PAGES = [ROOT / "docs" / "excel.md", EXAMPLE / "README.md"]
