@@ -34,6 +34,7 @@ _CHUNK: Final = 1 << 20
 _END: Final = b"</sheetData>"
 _EMPTY: Final = re.compile(rb"<sheetData\s*/>")
 _ROW: Final = re.compile(rb'<row\b[^>]*?\br="(\d+)"')
+_DIMENSION: Final = re.compile(rb'(<dimension ref="[A-Z]+\d+:[A-Z]+)\d+("\s*/>)')
 _COLUMN: Final = re.compile(rb"<col\b[^>]*>")
 _UNFIT: Final = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]|_x[0-9A-Fa-f]{4}_")
 _RELATIONSHIPS: Final = "{http://schemas.openxmlformats.org/officeDocument/2006/relationships}id"
@@ -42,6 +43,14 @@ _MAX_TEXT: Final = 32_767
 
 Cells = Iterable[CellValue | datetime]
 """Of a row. A datetime is shown in local time."""
+
+
+@dataclass(frozen=True, slots=True)
+class NewRows:
+    """For one sheet; ``count`` is how many there are."""
+
+    count: int
+    rows: Iterator[Cells]
 
 
 class DamagedBook(SheetError):
@@ -55,7 +64,7 @@ class Appended:
     last_rows: Mapping[str, int]
 
 
-def append_rows(book: Path, target: BinaryIO, rows: Mapping[str, Iterator[Cells]], mark: str) -> Appended:
+def append_rows(book: Path, target: BinaryIO, rows: Mapping[str, NewRows], mark: str) -> Appended:
     """Copy ``book`` to ``target`` with ``rows`` at the end of the sheets they are for.
 
     ``mark``: what :func:`mark_of` finds then.
@@ -77,7 +86,9 @@ def append_rows(book: Path, target: BinaryIO, rows: Mapping[str, Iterator[Cells]
                 with old.open(info) as source, new.open(fresh, "w", force_zip64=True) as sink:
                     if info.filename in growing:
                         sheet, some = growing[info.filename]
-                        last_rows[sheet] = _copy_sheet(source, sink, some, f"{book}, sheet {sheet}")
+                        last = _last_of(old, info.filename)
+                        _copy_sheet(source, sink, some, last, f"{book}, sheet {sheet}")
+                        last_rows[sheet] = last + some.count
                     elif info.filename == _CUSTOM:
                         sink.write(_marked(source.read(), mark))
                     else:
@@ -112,13 +123,7 @@ def last_row(book: Path, sheet: str) -> int:
     """Number of the last row of a sheet that has anything; 0 for none."""
     with _opened(book) as package:
         part = _sheet_parts(package).get(sheet)
-        if part is None:
-            return 0
-        with package.open(part) as source:
-            last = 0
-            for chunk in _tail_safe_chunks(source):
-                last = _last_row(chunk, last)
-            return last
+        return 0 if part is None else _last_of(package, part)
 
 
 # ---------------------------------------------------------------------- the package
@@ -180,16 +185,25 @@ def _tail_safe_chunks(source: IO[bytes]) -> Iterator[bytes]:
         yield held
 
 
+def _last_of(package: zipfile.ZipFile, part: str) -> int:
+    last = 0
+    with package.open(part) as source:
+        for chunk in _tail_safe_chunks(source):
+            last = _last_row(chunk, last)
+    return last
+
+
 def _last_row(chunk: bytes, last: int) -> int:
     at = chunk.rfind(b"<row ")
     found = _ROW.match(chunk, at) if at >= 0 else None
     return last if found is None else int(found[1])
 
 
-def _copy_sheet(source: IO[bytes], sink: IO[bytes], rows: Iterator[Cells], where: str) -> int:
-    """Number of the last row then."""
+def _copy_sheet(source: IO[bytes], sink: IO[bytes], new: NewRows, last: int, where: str) -> None:
+    """``last``: number of the last row that is there."""
+    size = rb"\g<1>%d\g<2>" % (last + new.count)
     styles: dict[int, str] = {}
-    last, done = 0, False
+    done = False
     for chunk in _tail_safe_chunks(source):
         if done:
             sink.write(chunk)
@@ -197,20 +211,16 @@ def _copy_sheet(source: IO[bytes], sink: IO[bytes], rows: Iterator[Cells], where
         if not styles and b"<cols>" in chunk:
             styles = _column_styles(chunk)
         chunk = _EMPTY.sub(b"<sheetData></sheetData>", chunk)
-        # Excel and Calc find out themselves how large a sheet is; a wrong element would say less than none.
-        chunk = re.sub(rb"<dimension\b[^>]*/>", b"", chunk)
+        chunk = _DIMENSION.sub(size, chunk)
         head, found, tail = chunk.partition(_END)
-        last = _last_row(head, last)
         sink.write(head)
         if found:
-            for cells in rows:
-                last += 1
-                sink.write(_row_xml(last, cells, styles))
+            for number, cells in enumerate(new.rows, start=last + 1):
+                sink.write(_row_xml(number, cells, styles))
             sink.write(found + tail)
             done = True
     if not done:
         raise DamagedBook(f"{where}: the sheet has no end; it stays as it is: name another file")
-    return last
 
 
 def _column_styles(head: bytes) -> dict[int, str]:

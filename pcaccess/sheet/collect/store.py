@@ -12,7 +12,7 @@ from datetime import datetime
 from pathlib import Path
 
 from pcaccess.s7200.types import DataType
-from pcaccess.sheet.collect.append import Cells, append_rows, check_book, last_row, mark_of
+from pcaccess.sheet.collect.append import Cells, NewRows, append_rows, check_book, last_row, mark_of
 from pcaccess.sheet.collect.journal import Journal, journal_of, open_journal
 from pcaccess.sheet.collect.records import EventRecord, Record, RowRecord
 from pcaccess.sheet.collect.workbook import QUALITIES, RUNS, TIMES, VALUES, items_of, write_empty
@@ -77,8 +77,8 @@ class Store:
             if self.rows >= self.max_rows:
                 self.book = following_book(self.book)
                 self.rows = 0
-            stop, rows = self._portion(end)
-            self._save_portion(stop)
+            stop, rows, events = self._portion(end)
+            self._save_portion(stop, rows, events)
             self.rows += rows
             self.saved += rows
             done += rows
@@ -91,35 +91,36 @@ class Store:
         """The journal goes when the workbook has all of it."""
         self.journal.close(remove=not self.pending)
 
-    def _portion(self, end: int) -> tuple[int, int]:
-        """Up to where the journal's records fit into this workbook, and how many rows those are."""
-        room, rows, place = self.max_rows - self.rows, 0, self.merged
+    def _portion(self, end: int) -> tuple[int, int, int]:
+        """Up to where the journal's records fit into this workbook, and how many rows and events those are."""
+        room, rows, events, place = self.max_rows - self.rows, 0, 0, self.merged
         with self.journal.path.open("rb") as file:
             file.seek(place)
             while file.tell() < end and rows < room:
-                line = file.readline()
-                rows += line[-3:-2] == b"]"  # a row ends with the list of its samples, an event with a text
-            return min(file.tell(), end), rows
+                if file.readline()[-3:-2] == b"]":  # a row ends with the list of its samples, an event with a text
+                    rows += 1
+                else:
+                    events += 1
+            return min(file.tell(), end), rows, events
 
-    def _save_portion(self, stop: int) -> None:
+    def _save_portion(self, stop: int, count: int, events: int) -> None:
         if self.book.exists():
             if who := opened_by(self.book):
                 raise BookIsOpen(f"{self.book} is open in {who}")
         else:
             self.empty(self.book)
         rows = {
-            VALUES: self._cells(stop, lambda row: [row.time, *(sample.value for sample in row.samples)]),
-            QUALITIES: self._cells(stop, lambda row: [row.time, *(sample.quality for sample in row.samples)]),
-            TIMES: self._cells(stop, lambda row: [row.time, *(sample.time for sample in row.samples)]),
-            RUNS: self._events(stop),
+            VALUES: self._cells(stop, count, lambda row: [row.time, *(sample.value for sample in row.samples)]),
+            QUALITIES: self._cells(stop, count, lambda row: [row.time, *(sample.quality for sample in row.samples)]),
+            TIMES: self._cells(stop, count, lambda row: [row.time, *(sample.time for sample in row.samples)]),
+            RUNS: NewRows(events, self._events(stop)),
         }
         with replacing(self.book) as target:
             append_rows(self.book, target, rows, f"{self.journal.name}:{stop}")
 
-    def _cells(self, stop: int, cells: Callable[[RowRecord], Cells]) -> Iterator[Cells]:
-        for record in self.journal.records(self.merged, stop):
-            if isinstance(record, RowRecord):
-                yield cells(record)
+    def _cells(self, stop: int, count: int, cells: Callable[[RowRecord], Cells]) -> NewRows:
+        records = self.journal.records(self.merged, stop)
+        return NewRows(count, (cells(record) for record in records if isinstance(record, RowRecord)))
 
     def _events(self, stop: int) -> Iterator[Cells]:
         for record in self.journal.records(self.merged, stop):
