@@ -1,4 +1,4 @@
-"""The client of ``bench/opcua.py``: hand-made requests on a blocking socket, sixteen in flight, answers counted.
+"""The client of ``bench/opcua.py``: hand-made requests on a blocking socket, many in flight, answers counted.
 
 asyncua's client opens channel and session; from then on its socket and its channel's state are ours. Requests are
 rows of an array that are filled in column by column (sequence number, handle, time stamp, nodes, values), many at
@@ -28,7 +28,8 @@ from asyncua.crypto.security_policies import SecurityPolicyBasic256Sha256
 from asyncua.ua.ua_binary import header_from_binary, nodeid_to_binary, struct_from_binary
 from numpy.typing import NDArray
 
-IN_FLIGHT = 16
+IN_FLIGHT, IN_FLIGHT_SINGLE = 16, 64
+"""Requests for many nodes, and for one. Sixteen small ones leave every server waiting for the client's wake-ups."""
 PATIENCE = 60.0
 CLIENT_URI = "urn:pcaccess:bench:client"
 
@@ -323,7 +324,7 @@ class Channel:
     # ------------------------------------------------------------------ many
 
     def rate(self, request: Request, seconds: float, ahead: int = 0) -> Rate:
-        """Keep sixteen in flight for a while. ``ahead``: most messages to make beforehand, when encrypted."""
+        """Keep many in flight for a while. ``ahead``: most messages to make beforehand, when encrypted."""
         self.check(request)
         answer = _ANSWERS[request.service]
         send = self._send_ahead(request, ahead) if self._secured else self._send_rows(request)
@@ -331,7 +332,7 @@ class Channel:
         gc.disable()
         try:
             began, used = time.perf_counter(), time.process_time()
-            sent, answered, end = send(IN_FLIGHT), 0, began + seconds
+            sent, answered, end = send(_in_flight(request)), 0, began + seconds
             while answered < sent:
                 done = self._count(answer)
                 answered += done
@@ -347,7 +348,7 @@ class Channel:
         """Sends so many more messages; a negative number ends it."""
         make = self._maker(request)
         size = len(self._frame(request)[0])
-        at_once = max(IN_FLIGHT, _BLOCK // size)
+        at_once = max(_in_flight(request), _BLOCK // size)
         first, left = 0, memoryview(b"")
 
         def send(count: int) -> int:
@@ -369,7 +370,7 @@ class Channel:
 
     def _send_ahead(self, request: Request, ahead: int) -> Callable[[int], int]:
         """The same with encrypted messages, which are ready before."""
-        sequence, most = self._connection._sequence_number, max(ahead, IN_FLIGHT)
+        sequence, most = self._connection._sequence_number, max(ahead, _in_flight(request))
         seal, sent = self._sealer(request), 0
         ready = [seal(n) for n in range(most)]
         chunks = (self._connection._sequence_number - sequence) // most
@@ -433,3 +434,7 @@ class Channel:
             gc.enable()
         times.sort()
         return Latency(times[len(times) // 2], times[int(len(times) * 0.99)])
+
+
+def _in_flight(request: Request) -> int:
+    return IN_FLIGHT if request.count > 1 else IN_FLIGHT_SINGLE

@@ -4,11 +4,11 @@
                           [--items 1000] [--memory-items 100000] [--peers FOLDER]
 
 Every server runs in a process of its own with the same items (half Float, half Int16, 100 to a folder, all changing
-every 100 ms; only the server being measured changes them) and is driven by one raw client with 16 requests in flight.
-"Repeated" sends the same request again and again (handle and time stamp count on, as any client's do); "fresh" never
-sends the same twice, so that no cache of requests helps. Servers take turns within a round; the best of the rounds
-counts, since noise only takes away. Memory is the resident set of the whole process, less that of the same server
-without items.
+every 100 ms; only the server being measured changes them) and is driven by one raw client with 64 requests for one
+node, or 16 for many, in flight. "Repeated" sends the same request again and again (handle and time stamp count on, as
+any client's do); "fresh" never sends the same twice, so that no cache of requests helps. Servers take turns within a
+round; the best of the rounds counts, since noise only takes away. Memory is the resident set of the whole process, less
+that of the same server without items.
 
 node-opcua (npm) and open62541 (PyPI ``o6``) are installed into ``--peers``, or into a folder that is gone afterwards;
 what cannot be installed or started is reported and left out. o6 listens on every address and can not be told

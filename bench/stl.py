@@ -5,6 +5,7 @@
 The same generated program runs in each, over the same changing inputs; figures are the best time of one execution of
 OB1 by its number of instructions (awlsim's by its own: the same work needs other AWL). gcc compiles the same IR,
 written as C; awlsim (PyPI) is installed into ``--awlsim`` or a temporary folder. What is missing is said and left out.
+Memory is what a process of its own grows by when it loads the program, checking and lowering it included.
 
 Targets at 10,000 instructions: at least 300 times awlsim and 50 times the interpreter, at most 4 times gcc -O1 before
 background optimisation and at most 1.5 times after it.
@@ -14,6 +15,7 @@ from __future__ import annotations
 
 import argparse
 import ctypes
+import gc
 import json
 import resource
 import subprocess
@@ -39,6 +41,11 @@ from pcaccess.stl.lower import lower
 HERE = Path(__file__).parent
 JUDGED = 10_000
 """Instructions of the programs that the targets are about."""
+EXECUTIONS: dict[str, Callable[..., Any]] = {
+    "compiled": lambda module, runtime: Compiled(module, runtime, optimise=False),
+    "optimised": Compiled,
+    "interpreter": Interpreter,
+}
 
 
 def cpu_with(text: Text, make: Callable[..., Any]) -> tuple[Cpu, float]:
@@ -120,21 +127,52 @@ def measure_awlsim(texts: dict[str, Text], folder: Path, seconds: float) -> dict
 def measure(kind: str, text: Text, folder: Path, seconds: float) -> dict[str, float]:
     """Nanoseconds by instruction of each execution, microseconds by instruction of compiling."""
     count = text.stl_count
-    quick_cpu, quick_load = cpu_with(text, lambda module, runtime: Compiled(module, runtime, optimise=False))
+    quick_cpu, quick_load = cpu_with(text, EXECUTIONS["compiled"])
     found = {"compiled": measure_cpu(quick_cpu, seconds) / count * 1e9, "load µs": quick_load / count * 1e6}
-    better_cpu, _ = cpu_with(text, Compiled)
+    better_cpu, _ = cpu_with(text, EXECUTIONS["optimised"])
     executor: Any = better_cpu._executor
     began = time.perf_counter()
     executor.start_optimising()
     executor.finish_optimising()
     found["optimising µs"] = (time.perf_counter() - began) / count * 1e6
     found["optimised"] = measure_cpu(better_cpu, seconds) / count * 1e9
-    plain_cpu, _ = cpu_with(text, Interpreter)
+    plain_cpu, _ = cpu_with(text, EXECUTIONS["interpreter"])
     found["interpreter"] = measure_cpu(plain_cpu, seconds) / count * 1e9
     if has_gcc():
-        own_cpu, _ = cpu_with(text, Interpreter)
+        own_cpu, _ = cpu_with(text, EXECUTIONS["interpreter"])
         run, compiling = measure_gcc(text, own_cpu, folder, f"{kind}{count}", seconds)
         found["gcc -O1"], found["gcc µs"] = run / count * 1e9, compiling / count * 1e6
+    return found
+
+
+def memory_growth(execution: str, kind: str, size: int) -> int:
+    """Bytes by which this process grows when it loads the program. Linux only: reads /proc."""
+    cpu_with(program(kind, 100), EXECUTIONS[execution])  # what the first program of a process brings along
+    before = _resident()
+    cpu, _ = cpu_with(program(kind, size), EXECUTIONS[execution])
+    executor: Any = cpu._executor
+    if execution == "optimised":
+        executor.start_optimising()
+        executor.finish_optimising()
+        cpu.scan(0.0)
+    return _resident() - before
+
+
+def _resident() -> int:
+    gc.collect()
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    return pages * resource.getpagesize()
+
+
+def measure_memory(kind: str, text: Text, size: int) -> dict[str, float]:
+    """Bytes by instruction of each execution."""
+    if not Path("/proc/self/statm").exists():
+        return {}
+    found = {}
+    for execution in EXECUTIONS:
+        command = [sys.executable, __file__, "--memory", execution, "--kinds", kind, "--sizes", str(size)]
+        grown = int(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+        found[f"{execution} bytes"] = grown / text.stl_count
     return found
 
 
@@ -161,7 +199,11 @@ def main() -> int:
     parser.add_argument("--kinds", default=",".join(KINDS))
     parser.add_argument("--seconds", type=float, default=1.0, help="of each measurement")
     parser.add_argument("--awlsim", type=Path, help="folder that keeps awlsim for the next run")
+    parser.add_argument("--memory", choices=EXECUTIONS, help=argparse.SUPPRESS)
     options = parser.parse_args()
+    if options.memory:
+        print(memory_growth(options.memory, options.kinds, int(options.sizes)))
+        return 0
     if reason := why_unavailable():
         print(f"there is no compiler here: {reason}", file=sys.stderr)
         return 1
@@ -178,11 +220,12 @@ def main() -> int:
                 found = measure(kind, text, folder, options.seconds)
                 if kind in awlsim:
                     found["awlsim"] = awlsim[kind] / text.awl_count * 1e9
+                found |= measure_memory(kind, text, size)
                 if size == JUDGED:
                     targets += judge(kind, found)
                 if not options.json:
                     shown = ", ".join(f"{key} {value:.2f}" for key, value in found.items())
-                    print(f"{kind}, {text.stl_count:,} instructions (ns each): {shown}")
+                    print(f"{kind}, {text.stl_count:,} instructions (each, ns unless said): {shown}")
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     if options.json:
         print(json.dumps({"targets": targets, "missing": sorted(missing), "peak_memory_mb": round(memory)}))

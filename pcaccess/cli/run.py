@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import sys
 from contextlib import suppress
 from enum import StrEnum
 from pathlib import Path
@@ -13,6 +14,7 @@ import typer
 from pcaccess import __version__
 from pcaccess.cli.endpoint import PROJECT_FILE
 from pcaccess.cli.failures import Failed
+from pcaccess.cli.logs import set_up_logging
 from pcaccess.cli.options import AsJson, MaxSize, check_listen, check_url
 from pcaccess.cli.output import counted, json_line, note, show, show_problems
 from pcaccess.cli.projects import content_of, load_all
@@ -59,7 +61,7 @@ def run(
         check_listen(web)
     loaded, programs = load_all(project, max_size)
     show_problems([*loaded.warnings, *programs.warnings], stderr=True)
-    _set_up_logging(log_level)
+    set_up_logging(logging.getLevelNamesMapping()[log_level.name], sys.stderr)
     _serve(loaded, programs, project, endpoint, web, as_json=as_json)
 
 
@@ -115,13 +117,3 @@ def _announce(addresses: Addresses, loaded: Loaded, content: dict[str, int]) -> 
     if len(plcs) > PLCS_SHOWN:
         show(f"  and {len(plcs) - PLCS_SHOWN} more PLCs")
     show("Ctrl-C stops.", meaning="dim")
-
-
-def _set_up_logging(level: LogLevel) -> None:
-    number = logging.getLevelNamesMapping()[level.name]
-    logging.basicConfig(level=number, format="%(asctime)s %(levelname)s %(name)s: %(message)s")
-    if number <= logging.WARNING:  # who saves a file wants to know what became of it
-        for name in ("pcaccess.gateway.projectfile", "pcaccess.gateway.download"):
-            logging.getLogger(name).setLevel(min(number, logging.INFO))
-    # Below debug, what asyncua reports of its own workings is noise.
-    logging.getLogger("asyncua").setLevel(number if level is LogLevel.DEBUG else max(number, logging.ERROR))

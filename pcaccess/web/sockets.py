@@ -74,7 +74,7 @@ class _Subscription:
         self.told, changes = self.watch.changes(self.told)
         if changes is None:
             return None
-        return b'{"type":"changes","name":' + orjson.dumps(self.name) + b"," + changes + b"}"
+        return b"".join((b'{"type":"changes","name":', orjson.dumps(self.name), b",", changes, b"}"))
 
 
 class Sockets:

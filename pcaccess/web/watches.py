@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from pcaccess.gateway.gateway import Gateway
 from pcaccess.items.records import OBJECT_KIND
 from pcaccess.project.model import Access
-from pcaccess.web.formats import JSON, Ticks, all_equal, iso_times, json_numbers
+from pcaccess.web.formats import JSON, Ticks, all_equal, iso_time, iso_times, json_numbers
 from pcaccess.web.rendering import TYPES_OF_KINDS
 
 _PLAIN_QUALITY: Final = 0xFC
@@ -131,27 +131,32 @@ class Watch:
 
     def _write(self, told: Told) -> bytes:
         """The members of a message; nothing when there is nothing to tell."""
-        gone = [n for n, version in self._gone.items() if version > told.version]
+        gone = [n for n, version in self._gone.items() if version > told.version] if self._gone else []
         head = b'"gone":' + orjson.dumps(gone) + b"," if gone else b""
-        which = self._gateway.table.changed(self._watched) > told.counter
-        if self._version > told.version:
-            which |= self._came > told.version
-        number = np.count_nonzero(which)
-        if not number:
+        which = self._which(told)
+        if which is not None and not which.any():
             return head[:-1]
         at, codes = self._at_json, self._gateway.table.quality_codes(self._watched)
-        if number < len(which):
+        if which is not None:
             at, codes = _numbers(self._at[which]), codes[which]
-        values, ticks = self._columns(which if number < len(which) else None)
-        quality = _numbers(codes & _PLAIN_QUALITY)
-        if all_equal(codes):
-            quality = b"%d" % (int(codes[0]) & _PLAIN_QUALITY)
+        values, ticks = self._columns(which)
+        quality = b"%d" % (codes[0] & _PLAIN_QUALITY) if all_equal(codes) else _numbers(codes & _PLAIN_QUALITY)
         return b"".join(
             (head, b'"n":', at, b',"value":[', values, b'],"quality":', quality, b',"time":', _times(ticks))
         )
 
-    def _columns(self, which: NDArray[np.bool_] | None) -> tuple[bytes, Ticks]:
-        """Values and source times of the rows chosen; None chooses all."""
+    def _which(self, told: Told) -> NDArray[np.bool_] | None:
+        """What a client does not know yet; None is everything."""
+        changed = self._gateway.table.changed(self._watched)
+        if len(changed) and np.minimum.reduce(changed) > told.counter:
+            return None
+        which: NDArray[np.bool_] = changed > told.counter
+        if self._version > told.version:
+            which |= self._came > told.version
+        return which
+
+    def _columns(self, which: NDArray[np.bool_] | None) -> tuple[bytes, list[Ticks]]:
+        """Values and source times of the rows chosen, the times in pieces; None chooses all."""
         table = self._gateway.table
         values, ticks = [], []
         for part in self._parts:
@@ -167,15 +172,16 @@ class Watch:
                 values += [JSON.text(table.data_type(row), table.sample(row).value) for row in rows.tolist()]
             else:
                 values.append(json_numbers(TYPES_OF_KINDS[part.kind], block["value"].take(places)))
-        return b",".join(values), np.concatenate(ticks)
+        return b",".join(values), ticks
 
 
 def _numbers(column: NDArray[Any]) -> bytes:
     return orjson.dumps(column, option=orjson.OPT_SERIALIZE_NUMPY)
 
 
-def _times(ticks: Ticks) -> bytes:
+def _times(pieces: Sequence[Ticks]) -> bytes:
     """One time when all are equal, else a list."""
-    if all_equal(ticks):
-        return b'"' + iso_times(ticks[:1])[0] + b'"'
-    return b'["' + b'","'.join(iso_times(ticks)) + b'"]'
+    first = pieces[0][:1]
+    if all(all_equal(piece, first) for piece in pieces):
+        return f'"{iso_time(int(first[0]))}"'.encode()
+    return b'["' + b'","'.join(iso_times(np.concatenate(pieces))) + b'"]'
