@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from pcaccess.stl import ir, layout
-from pcaccess.stl.ir import BinaryOp, IrType, Relation, UnaryOp
+from pcaccess.stl.ir_values import BinaryOp, IrType, Relation, UnaryOp, Value
 
 FLAGS = ("-shared", "-fPIC", "-fwrapv", "-fno-strict-aliasing", "-fno-math-errno", "-march=native", "-w")
 
@@ -79,7 +79,7 @@ class _Function:
         self.index = index
         self.out: list[str] = []
 
-    def name(self, value: ir.Value) -> str:
+    def name(self, value: Value) -> str:
         if value.constant is None:
             return f"v{value.index}"
         if value.type.real:
@@ -106,12 +106,12 @@ class _Function:
         assert isinstance(end, ir.Return)
         return f"return {int(end.unwind)};"
 
-    def get(self, out: ir.Value, at: str) -> str:
+    def get(self, out: Value, at: str) -> str:
         if out.type.real:
             return f"v{out.index} = getf(m + {at});"
         return f"v{out.index} = ({_C[out.type]})GET(uint{out.type.bits}_t, {_SWAP[out.type.bits]}, m, {at});"
 
-    def put(self, value: ir.Value, at: str) -> str:
+    def put(self, value: Value, at: str) -> str:
         if value.type.real:
             return f"putf(m + {at}, {self.name(value)});"
         return f"PUT(uint{value.type.bits}_t, {_SWAP[value.type.bits]}, m, {at}, {self.name(value)});"

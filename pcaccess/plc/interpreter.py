@@ -18,7 +18,7 @@ from typing import Any, Final
 
 from pcaccess.plc.frames import pop_frame, push_frame
 from pcaccess.stl import evaluate, ir, layout
-from pcaccess.stl.ir import BinaryOp, IrType
+from pcaccess.stl.ir_values import BinaryOp, IrError, IrType
 from pcaccess.stl.runtime import Runtime
 
 Registers = list[Any]
@@ -121,7 +121,7 @@ class _Translator:
             return lambda r: then if r[condition] else otherwise
         if isinstance(end, ir.Return):
             return _unwind if end.unwind else lambda _: None
-        raise ir.IrError(f"{self._function.name}: {block} has no end")
+        raise IrError(f"{self._function.name}: {block} has no end")
 
     # memory
 

@@ -21,7 +21,7 @@ from pcaccess.s7200.types import DataType
 from pcaccess.stl import evaluate, ir
 from pcaccess.stl.define import SmBit
 from pcaccess.stl.errors import RunTimeError
-from pcaccess.stl.ir import TYPE_OF, BinaryOp, Effects, IrType, Relation, UnaryOp, Value
+from pcaccess.stl.ir_values import TYPE_OF, BinaryOp, Effects, IrError, IrType, PythonFunction, Relation, UnaryOp, Value
 
 SM_START: Final = AREA_START[Area.SM]
 _UNSIGNED: Final = {8: IrType.U8, 16: IrType.U16, 32: IrType.U32, 64: IrType.U64}
@@ -113,7 +113,7 @@ class Builder:
 
     def terminate(self, terminator: ir.Terminator) -> None:
         if self.block.terminator is not None:
-            raise ir.IrError(f"{self.function.name}: {self.block} ends twice")
+            raise IrError(f"{self.function.name}: {self.block} ends twice")
         self.block.terminator = terminator
 
     def jump(self, target: ir.Block) -> None:
@@ -151,7 +151,7 @@ class Builder:
         yield choice
         self.nested -= 1
         if not choice.turned:
-            raise ir.IrError("choose without otherwise: use when")
+            raise IrError("choose without otherwise: use when")
         self.jump(after)
         self.start(after)
 
@@ -162,7 +162,7 @@ class Builder:
         op = BinaryOp(op)
         b = self._same(a, b)
         if a.type is not b.type:
-            raise ir.IrError(f"{op.value} of {a} and {b}")
+            raise IrError(f"{op.value} of {a} and {b}")
         if a.constant is not None and b.constant is not None and not (op in _DIVISIONS and b.constant == 0):
             return self.const(a.type, evaluate.binary(op, a.type)(a.constant, b.constant))
         if a.type is IrType.I1:
@@ -219,7 +219,7 @@ class Builder:
         relation = Relation(relation)
         b = self._same(a, b)
         if a.type is not b.type:
-            raise ir.IrError(f"{relation.value} of {a} and {b}")
+            raise IrError(f"{relation.value} of {a} and {b}")
         if a.constant is not None and b.constant is not None:
             return self.bit(evaluate.compare(relation)(a.constant, b.constant))
         out = self.new_value(IrType.I1)
@@ -343,7 +343,7 @@ class Builder:
     @staticmethod
     def _fixed(place: Place) -> int:
         if not isinstance(place.at, int):
-            raise ir.IrError("a bit has no run-time address")
+            raise IrError("a bit has no run-time address")
         return place.at
 
     def address(self, place: Place) -> Value:
@@ -367,7 +367,7 @@ class Builder:
 
     def call(
         self,
-        function: ir.PythonFunction,
+        function: PythonFunction,
         *arguments: Value,
         static: tuple[Any, ...] = (),
         effects: Effects | None = None,
@@ -378,7 +378,7 @@ class Builder:
         self.emit(ir.CallPython(out, function, static, arguments, effects or Effects(), self.place))
         return out
 
-    def compute(self, function: ir.PythonFunction, *arguments: Value, result: IrType) -> Value:
+    def compute(self, function: PythonFunction, *arguments: Value, result: IrType) -> Value:
         """Call a Python function for its result alone."""
         out = self.call(function, *arguments, result=result)
         assert out is not None

@@ -4,7 +4,7 @@ The builder folds constants with them and the reference interpreter runs them; t
 them.
 
 Units:    an integer is in the range of its type; an F32 is a Python float that a REAL can hold exactly.
-Source:   ``pcaccess.stl.ir`` (which says what each operation means).
+Source:   ``pcaccess.stl.ir_values`` and ``ir`` (which say what each operation means).
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import struct
 from collections.abc import Callable
 from typing import Any, Final
 
-from pcaccess.stl.ir import BinaryOp, IrType, Relation, UnaryOp
+from pcaccess.stl.ir_values import BinaryOp, IrType, Relation, UnaryOp
 
 _SINGLE: Final = struct.Struct("<f")
 

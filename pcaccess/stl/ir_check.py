@@ -1,12 +1,13 @@
 """Checks IR against its own rules, and prints it. For tests and for whoever writes a back end.
 
-Errors:   ``verify`` raises ``ir.IrError`` with the function, the block and the operation.
+Errors:   ``verify`` raises ``IrError`` with the function, the block and the operation.
 """
 
 from __future__ import annotations
 
 from pcaccess.stl import ir
-from pcaccess.stl.ir import BinaryOp, Function, IrError, IrType, Value
+from pcaccess.stl.ir import Function
+from pcaccess.stl.ir_values import BinaryOp, IrError, IrType, Value
 
 
 def verify(function: Function) -> None:

@@ -5,7 +5,7 @@ or is the first of several, a plain number for labels, timers and the like. Poin
 body: a box with a bad pointer does nothing but error 0006; a contact reads 0 and lets no power through.
 
 Errors:   the program has passed the checker without errors; :class:`LoweringError` for an instruction that is
-          known but not executable yet, ``ir.IrError`` for anything else (our own mistake).
+          known but not executable yet, ``IrError`` for anything else (our own mistake).
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from pcaccess.stl.builder import Place
 from pcaccess.stl.define import Definition, In, InOut, OperandSpec, Out, Power, Special
 from pcaccess.stl.definitions import DEFINITIONS
 from pcaccess.stl.errors import RunTimeError
-from pcaccess.stl.ir import TYPE_OF, IrType, Value
+from pcaccess.stl.ir_values import TYPE_OF, IrError, IrType, Value
 from pcaccess.stl.program import (
     AddressOf,
     Constant,
@@ -85,7 +85,7 @@ class _Lowering:
     def new_edge(self) -> int:
         number = next(self.edges)
         if number >= layout.MAX_EDGES:
-            raise ir.IrError("more than 256 edges; the checker should have said so")
+            raise IrError("more than 256 edges; the checker should have said so")
         return layout.EDGES + number
 
 
@@ -104,7 +104,7 @@ def constant_number(constant: Constant, kind: DataType) -> int | float:
     """
     value = constant.value
     if isinstance(value, str):
-        raise ir.IrError("a text has no number")
+        raise IrError("a text has no number")
     if kind is DataType.REAL:
         if isinstance(value, int) and constant.form.value in ("hexadecimal", "binary"):
             return float(struct.unpack(">f", struct.pack(">I", value & 0xFFFF_FFFF))[0])
@@ -317,7 +317,7 @@ def _typed(address: Address, kind: DataType) -> Address:
     try:
         return address.as_type(kind)
     except AddressError as error:
-        raise ir.IrError(str(error)) from error
+        raise IrError(str(error)) from error
 
 
 def _parameter_spec(variable: Variable) -> OperandSpec:

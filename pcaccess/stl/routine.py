@@ -20,7 +20,7 @@ from pcaccess.s7200.cpu import CpuModel
 from pcaccess.stl import ir, layout
 from pcaccess.stl.builder import Builder, Place
 from pcaccess.stl.errors import INDIRECT_ADDRESS
-from pcaccess.stl.ir import Effects, IrType, Value, Variable
+from pcaccess.stl.ir_values import Effects, IrError, IrType, PythonFunction, Value, Variable
 from pcaccess.stl.program import Operand
 from pcaccess.stl.runtime import OK
 
@@ -87,7 +87,7 @@ class Routine(Builder):
         value = self._levels[number]
         if isinstance(value, Variable):
             if self.nested:
-                raise ir.IrError("a stack level is read for the first time where it is not always computed")
+                raise IrError("a stack level is read for the first time where it is not always computed")
             self.close_power()
             value = self._get(value)
             self._levels[number] = value
@@ -177,7 +177,7 @@ class Routine(Builder):
 
     def cold(
         self,
-        function: ir.PythonFunction,
+        function: PythonFunction,
         *arguments: Value,
         static: tuple[object, ...] = (),
         effects: Effects | None = None,
@@ -240,7 +240,7 @@ class Routine(Builder):
         self._finish(unwind=False)
         for block in self.function.blocks:
             if block.terminator is None:
-                raise ir.IrError(f"{self.function.name}: {block} has no end")
+                raise IrError(f"{self.function.name}: {block} has no end")
         return self.function
 
     # jumps and loops

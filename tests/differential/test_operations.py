@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import pytest
 
 from pcaccess.stl.builder import Builder
-from pcaccess.stl.ir import BinaryOp, IrType, Relation, UnaryOp, Value
+from pcaccess.stl.ir_values import BinaryOp, IrType, Relation, UnaryOp, Value
 from tests.differential.executions import COMPILED
 from tests.differential.side_by_side import Pair, function, module
 

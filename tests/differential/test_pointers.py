@@ -11,7 +11,8 @@ from pcaccess.s7200.address import Area
 from pcaccess.s7200.cpu import cpu_model
 from pcaccess.s7200.memory import AREA_START
 from pcaccess.stl.builder import Builder
-from pcaccess.stl.ir import CheckPointer, IrType
+from pcaccess.stl.ir import CheckPointer
+from pcaccess.stl.ir_values import IrType
 from pcaccess.stl.lower import pointer_areas
 from tests.differential.executions import COMPILED
 from tests.differential.side_by_side import Pair, function, module

@@ -6,7 +6,7 @@ import pytest
 
 from pcaccess.stl import ir, layout
 from pcaccess.stl.builder import Builder
-from pcaccess.stl.ir import IrType
+from pcaccess.stl.ir_values import IrType
 from tests.differential.executions import COMPILED
 from tests.differential.side_by_side import Pair, function, module
 

@@ -16,7 +16,7 @@ from pcaccess.plc.interpreter import Interpreter
 from pcaccess.plc.llvm import machine
 from pcaccess.stl import ir, layout
 from pcaccess.stl.builder import Builder
-from pcaccess.stl.ir import IrType
+from pcaccess.stl.ir_values import IrType
 from pcaccess.stl.runtime import Runtime
 from tests.clocks import HandClock
 from tests.differential.side_by_side import Recorder, function, module

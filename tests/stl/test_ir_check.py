@@ -6,8 +6,8 @@ import pytest
 
 from pcaccess.stl import ir
 from pcaccess.stl.builder import Builder
-from pcaccess.stl.ir import IrError, IrType
 from pcaccess.stl.ir_check import listing, verify
+from pcaccess.stl.ir_values import BinaryOp, IrError, IrType
 
 
 def finished(b: Builder) -> ir.Function:
@@ -55,7 +55,7 @@ def test_a_value_defined_twice_is_refused() -> None:
 def test_operands_of_two_types_are_refused() -> None:
     b = Builder("TYPES")
     out = b.new_value(IrType.I16)
-    b.emit(ir.Binary(ir.BinaryOp.ADD, out, b.load_at(IrType.I16, 0), b.load_at(IrType.U16, 0)))
+    b.emit(ir.Binary(BinaryOp.ADD, out, b.load_at(IrType.I16, 0), b.load_at(IrType.U16, 0)))
     with pytest.raises(IrError, match="types of"):
         verify(finished(b))
 
@@ -63,7 +63,7 @@ def test_operands_of_two_types_are_refused() -> None:
 def test_a_shift_by_the_whole_width_is_refused() -> None:
     b = Builder("SHIFT")
     out = b.new_value(IrType.U8)
-    b.emit(ir.Binary(ir.BinaryOp.SHL, out, b.load_at(IrType.U8, 0), b.const(IrType.U8, 8)))
+    b.emit(ir.Binary(BinaryOp.SHL, out, b.load_at(IrType.U8, 0), b.const(IrType.U8, 8)))
     with pytest.raises(IrError, match="types of"):
         verify(finished(b))
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 from typing import Final
 
 from pcaccess.stl import ir
-from pcaccess.stl.ir import IrType
+from pcaccess.stl.ir_values import IrType
 
 WORD: Final = 8
 FAILED: Final = 0

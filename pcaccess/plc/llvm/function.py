@@ -15,6 +15,7 @@ from typing import Final
 from pcaccess.plc.llvm.operations import NAMES, Parts, Writer, constant
 from pcaccess.plc.llvm.regions import Node, Piece, Plan, plan
 from pcaccess.stl import ir
+from pcaccess.stl.ir_values import IrError, Variable
 
 _ON, _RETURNED, _UNWOUND = 0, 1, 2
 _SLOT: Final = 8
@@ -139,10 +140,10 @@ class _PieceText:
         w.out.append(f"ret i8 {_ON}\n")
         return _finished(w, f"ret i8 {_UNWOUND}")
 
-    def _slot(self, w: Writer, variable: ir.Variable) -> str:
+    def _slot(self, w: Writer, variable: Variable) -> str:
         return w.line(f"getelementptr i8, ptr %x, i64 {self._composer._shared.variables[variable.index]}")
 
-    def _variables(self) -> tuple[list[ir.Variable], list[ir.Variable]]:
+    def _variables(self) -> tuple[list[Variable], list[Variable]]:
         """Those that the piece uses, and those of them that it changes."""
         read: set[int] = set()
         written: set[int] = set()
@@ -222,7 +223,7 @@ class _Region:
         elif isinstance(end, ir.Jump):
             self._w.out.append(f"br label %{labels[0]}\n")
         else:
-            raise ir.IrError(f"{self._composer._function.name}: {node.block} has no end")
+            raise IrError(f"{self._composer._function.name}: {node.block} has no end")
 
     def _fetch(self, op: ir.Operation | ir.Terminator) -> None:
         """Bring what another piece computed."""

@@ -15,7 +15,7 @@ from typing import Any, Final
 
 from pcaccess.plc.llvm.abi import Sites
 from pcaccess.stl import ir, layout
-from pcaccess.stl.ir import BinaryOp, IrType, Relation, UnaryOp
+from pcaccess.stl.ir_values import BinaryOp, IrError, IrType, Relation, UnaryOp, Value
 
 NAMES: Final[Mapping[IrType, str]] = {
     IrType.I1: "i1",
@@ -72,7 +72,7 @@ class Parts:
         self.tables = Tables()
 
 
-def constant(value: ir.Value) -> str:
+def constant(value: Value) -> str:
     """How LLVM writes a constant."""
     number = value.constant
     if value.type.real:
@@ -99,17 +99,17 @@ class Writer:
         self.variables: frozenset[int] = frozenset()
         """Variables that somebody reads; the others are not kept."""
 
-    def name(self, value: ir.Value) -> str:
+    def name(self, value: Value) -> str:
         return self._names[value.index]
 
-    def rename(self, value: ir.Value, name: str) -> None:
+    def rename(self, value: Value, name: str) -> None:
         """What follows finds the value under another name."""
         self._names[value.index] = name
 
     def operation(self, op: ir.Operation) -> None:
         _STEPS[type(op)](self, op)
 
-    def _define(self, out: ir.Value, text: str) -> None:
+    def _define(self, out: Value, text: str) -> None:
         """One line that computes ``out``."""
         self.out.append(f"%{self._next} = {text}\n")
         self._names[out.index] = f"%{self._next}"
@@ -130,7 +130,7 @@ class Writer:
     def load_from(self, op: ir.LoadFrom) -> None:
         self._load(op.out, self.line(f"getelementptr i8, ptr %m, i32 {self._names[op.address.index]}"))
 
-    def _load(self, out: ir.Value, pointer: str) -> None:
+    def _load(self, out: Value, pointer: str) -> None:
         kind, n = out.type, self._next
         if kind.bits == 8:
             self._define(out, f"load i8, ptr {pointer}")
@@ -153,7 +153,7 @@ class Writer:
     def store_to(self, op: ir.StoreTo) -> None:
         self._store(op.value, self.line(f"getelementptr i8, ptr %m, i32 {self._names[op.address.index]}"))
 
-    def _store(self, value: ir.Value, pointer: str) -> None:
+    def _store(self, value: Value, pointer: str) -> None:
         kind, name = value.type, self._names[value.index]
         if kind.bits == 8:
             self.out.append(f"store i8 {name}, ptr {pointer}\n")
@@ -219,7 +219,7 @@ class Writer:
             word = str(_swapped(op.value))
         self.out.append(f"call void @fill_words(ptr {to}, i16 {word}, i32 {self._names[op.count.index]})\n")
 
-    def _pointer(self, address: ir.Value) -> str:
+    def _pointer(self, address: Value) -> str:
         return self.line(f"getelementptr i8, ptr %m, i32 {self._names[address.index]}")
 
     def check_pointer(self, op: ir.CheckPointer) -> None:
@@ -309,7 +309,7 @@ class Writer:
     def _real_fits(self, op: ir.Fits, a: str) -> None:
         """Compared as doubles, which hold every 32-bit bound and its neighbours exactly."""
         if op.type.bits > 32:
-            raise ir.IrError(f"{self._function.name}: whether a real fits {op.type}")
+            raise IrError(f"{self._function.name}: whether a real fits {op.type}")
         if op.a.type is IrType.F32:
             a = self.line(f"fpext float {a} to double")
         low = self.line(f"fcmp ogt double {a}, {_double(op.type.low - 1)}")
@@ -376,7 +376,7 @@ class Writer:
         failed = self.line("load i64, ptr %e")
         self._unwind_if(self.line(f"icmp ne i64 {failed}, 0"))
 
-    def _argument(self, value: ir.Value) -> str:
+    def _argument(self, value: Value) -> str:
         kind, name = value.type, self._names[value.index]
         if kind is IrType.F64:
             return f"double {name}"
@@ -417,7 +417,7 @@ class Writer:
         )
 
 
-def _swapped(value: ir.Value) -> int:
+def _swapped(value: Value) -> int:
     """A constant's bytes in the other order, as LLVM writes the integer they are."""
     number = value.constant
     assert number is not None

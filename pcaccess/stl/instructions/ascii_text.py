@@ -18,7 +18,7 @@ from pcaccess.stl.builder import Place
 from pcaccess.stl.define import NOT_HEX, SAME, In, Out, define
 from pcaccess.stl.errors import INDIRECT_ADDRESS, OPERAND_RANGE
 from pcaccess.stl.instructions.sm import set_sm_bit
-from pcaccess.stl.ir import Effects, Value
+from pcaccess.stl.ir_values import Effects, Value
 from pcaccess.stl.routine import Routine
 from pcaccess.stl.runtime import ENO_OFF, OK, Outcome, Runtime
 

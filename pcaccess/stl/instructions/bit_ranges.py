@@ -12,7 +12,7 @@ from pcaccess.s7200.memory import AREA_START, C_BITS, T_BITS
 from pcaccess.stl import layout
 from pcaccess.stl.builder import Place
 from pcaccess.stl.errors import OPERAND_RANGE
-from pcaccess.stl.ir import Effects, IrType
+from pcaccess.stl.ir_values import Effects, IrType
 from pcaccess.stl.routine import Routine
 from pcaccess.stl.runtime import OK, Outcome, Runtime
 

@@ -11,7 +11,7 @@ from pcaccess.stl.builder import Place
 from pcaccess.stl.define import In, Number, Out, Power, StackUse, define
 from pcaccess.stl.errors import INDIRECT_ADDRESS, OPERAND_RANGE
 from pcaccess.stl.instructions.bit_ranges import RANGE_ERROR, bit_number, change, set_bits, set_outputs
-from pcaccess.stl.ir import IrType, Value
+from pcaccess.stl.ir_values import IrType, Value
 from pcaccess.stl.routine import Routine
 
 BOOL, BYTE = DataType.BOOL, DataType.BYTE

@@ -7,7 +7,7 @@ from typing import Any, Final
 from pcaccess.s7200.types import DataType
 from pcaccess.stl.define import SAME, In, Power, StackUse, define
 from pcaccess.stl.errors import INDIRECT_ADDRESS, RunTimeError
-from pcaccess.stl.ir import Value
+from pcaccess.stl.ir_values import Value
 from pcaccess.stl.routine import Routine
 
 ILLEGAL_NUMBER: Final = RunTimeError.ILLEGAL_NUMBER

@@ -9,7 +9,7 @@ from pcaccess.s7200.types import DataType
 from pcaccess.stl.builder import Place
 from pcaccess.stl.define import In, InOut, Power, Special, StackUse, define, special
 from pcaccess.stl.errors import INDIRECT_ADDRESS, RunTimeError
-from pcaccess.stl.ir import Value
+from pcaccess.stl.ir_values import Value
 from pcaccess.stl.program import Operand
 from pcaccess.stl.routine import Routine
 from pcaccess.stl.runtime import OK, Outcome, Runtime

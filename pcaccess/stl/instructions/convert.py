@@ -11,7 +11,7 @@ from pcaccess.s7200.types import DataType
 from pcaccess.stl.builder import Place
 from pcaccess.stl.define import NOT_BCD, OVERFLOW, In, InOut, Out, define
 from pcaccess.stl.errors import INDIRECT_ADDRESS
-from pcaccess.stl.ir import BinaryOp, IrType, UnaryOp, Value
+from pcaccess.stl.ir_values import BinaryOp, IrType, UnaryOp, Value
 from pcaccess.stl.routine import Routine
 
 BYTE, INT, WORD, DINT, REAL = DataType.BYTE, DataType.INT, DataType.WORD, DataType.DINT, DataType.REAL

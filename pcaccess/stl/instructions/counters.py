@@ -16,7 +16,7 @@ from pcaccess.s7200.types import DataType
 from pcaccess.stl import layout
 from pcaccess.stl.define import Direction, In, Power, Special, StackUse, define, special
 from pcaccess.stl.errors import INDIRECT_ADDRESS
-from pcaccess.stl.ir import IrType, Value
+from pcaccess.stl.ir_values import IrType, Value
 from pcaccess.stl.routine import Routine
 
 _OPERANDS: Final = (special("CXXX", Special.COUNTER, Direction.INOUT), In("PV", DataType.INT))

@@ -12,7 +12,7 @@ from pcaccess.s7200.types import DataType
 from pcaccess.stl.builder import Place
 from pcaccess.stl.define import DIVIDE_BY_ZERO, NEGATIVE, OVERFLOW, SAME, ZERO, In, InOut, SmBit, define
 from pcaccess.stl.errors import INDIRECT_ADDRESS
-from pcaccess.stl.ir import TYPE_OF, BinaryOp, IrType, Value
+from pcaccess.stl.ir_values import TYPE_OF, BinaryOp, IrType, Value
 from pcaccess.stl.routine import Routine
 
 BYTE, INT, DINT = DataType.BYTE, DataType.INT, DataType.DINT

@@ -6,7 +6,7 @@ from typing import Final
 
 from pcaccess.stl.define import Number, Power, Special, define, special
 from pcaccess.stl.errors import RunTimeError
-from pcaccess.stl.ir import Effects
+from pcaccess.stl.ir_values import Effects
 from pcaccess.stl.routine import Routine
 from pcaccess.stl.runtime import Outcome, Runtime
 

@@ -6,7 +6,7 @@ from pcaccess.s7200.types import DataType
 from pcaccess.stl.builder import Place
 from pcaccess.stl.define import SAME, ZERO, In, InOut, define
 from pcaccess.stl.errors import INDIRECT_ADDRESS
-from pcaccess.stl.ir import Value
+from pcaccess.stl.ir_values import Value
 from pcaccess.stl.routine import Routine
 
 BYTE, WORD, DWORD = DataType.BYTE, DataType.WORD, DataType.DWORD

@@ -14,7 +14,7 @@ from pcaccess.stl.builder import Place
 from pcaccess.stl.define import SAME, In, InOut, Out, define
 from pcaccess.stl.errors import INDIRECT_ADDRESS, OPERAND_RANGE
 from pcaccess.stl.instructions.room import room
-from pcaccess.stl.ir import IrType, Value
+from pcaccess.stl.ir_values import IrType, Value
 from pcaccess.stl.routine import Routine
 
 _IMAGE_SIZE: Final = 16

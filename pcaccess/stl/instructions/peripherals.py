@@ -13,7 +13,7 @@ from pcaccess.stl import layout
 from pcaccess.stl.builder import Place
 from pcaccess.stl.define import OVERFLOW, In, InOut, Number, Out, define
 from pcaccess.stl.errors import INDIRECT_ADDRESS, OPERAND_RANGE, RunTimeError
-from pcaccess.stl.ir import Effects, IrType, PythonFunction, Value
+from pcaccess.stl.ir_values import Effects, IrType, PythonFunction, Value
 from pcaccess.stl.routine import Routine
 from pcaccess.stl.runtime import Outcome, Runtime
 

@@ -16,7 +16,7 @@ from pcaccess.s7200.types import DataType
 from pcaccess.stl.builder import Place
 from pcaccess.stl.define import DIVIDE_BY_ZERO, NEGATIVE, OVERFLOW, ZERO, In, InOut, Out, SmBit, define
 from pcaccess.stl.errors import INDIRECT_ADDRESS
-from pcaccess.stl.ir import BinaryOp, IrType, UnaryOp, Value
+from pcaccess.stl.ir_values import BinaryOp, IrType, UnaryOp, Value
 from pcaccess.stl.routine import Routine
 from pcaccess.stl.runtime import Runtime
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pcaccess.stl.builder import Place
-from pcaccess.stl.ir import Value
+from pcaccess.stl.ir_values import Value
 from pcaccess.stl.routine import Routine
 
 

@@ -10,7 +10,7 @@ from pcaccess.stl.builder import Place
 from pcaccess.stl.define import OVERFLOW, SAME, ZERO, In, InOut, define
 from pcaccess.stl.errors import COUNT_RANGE, INDIRECT_ADDRESS, OPERAND_RANGE
 from pcaccess.stl.instructions.bit_ranges import area_start, bit_number
-from pcaccess.stl.ir import TYPE_OF, Effects, IrType, Value
+from pcaccess.stl.ir_values import TYPE_OF, Effects, IrType, Value
 from pcaccess.stl.routine import Routine
 from pcaccess.stl.runtime import OK, Outcome, Runtime
 

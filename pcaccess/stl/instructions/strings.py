@@ -17,7 +17,7 @@ from pcaccess.stl.errors import INDIRECT_ADDRESS, OPERAND_RANGE, RunTimeError
 from pcaccess.stl.instructions import texts
 from pcaccess.stl.instructions.sm import set_sm_bit
 from pcaccess.stl.instructions.texts import BadString, Text, outcome
-from pcaccess.stl.ir import Effects, IrType, Value
+from pcaccess.stl.ir_values import Effects, IrType, Value
 from pcaccess.stl.routine import Routine
 from pcaccess.stl.runtime import ENO_OFF, OK, Outcome, Runtime
 

@@ -17,7 +17,7 @@ from pcaccess.stl.define import TABLE_EMPTY, TABLE_FULL, In, InOut, Out, define
 from pcaccess.stl.errors import INDIRECT_ADDRESS, OPERAND_RANGE
 from pcaccess.stl.evaluate import compare
 from pcaccess.stl.instructions.sm import set_sm_bit
-from pcaccess.stl.ir import Effects, Relation, Value
+from pcaccess.stl.ir_values import Effects, Relation, Value
 from pcaccess.stl.routine import Routine
 from pcaccess.stl.runtime import ENO_OFF, OK, Outcome, Runtime
 

@@ -14,7 +14,7 @@ from typing import Any, Final, Protocol, cast
 from pcaccess.s7200.types import MAX_STRING
 from pcaccess.stl.builder import Place
 from pcaccess.stl.errors import OPERAND_RANGE, RunTimeError
-from pcaccess.stl.ir import IrType, Value
+from pcaccess.stl.ir_values import IrType, Value
 from pcaccess.stl.routine import Routine
 from pcaccess.stl.runtime import Outcome, Runtime
 

@@ -20,7 +20,7 @@ from pcaccess.stl import layout
 from pcaccess.stl.builder import Place
 from pcaccess.stl.define import Direction, In, Out, Power, Special, define, special
 from pcaccess.stl.errors import INDIRECT_ADDRESS
-from pcaccess.stl.ir import IrType, Value
+from pcaccess.stl.ir_values import IrType, Value
 from pcaccess.stl.layout import TimerState
 from pcaccess.stl.routine import Routine
 
