@@ -69,8 +69,8 @@ class LogWriter(logging.Handler):
                 self._stream.write(f"{text}\n")
                 return
             left = f"{text}\n".encode(self._stream.encoding, "backslashreplace")
-            while left:
-                left = left[raw.write(left) or 0 :]
+            while left and (taken := raw.write(left)) is not None:  # None: it does not wait, and is full
+                left = left[taken:]
 
 
 def set_up_logging(level: int, stream: TextIO) -> None:

@@ -18,7 +18,7 @@ from typing import Final
 
 from pcaccess.problems import Span
 from pcaccess.project.access import Access
-from pcaccess.project.network import DEFAULT_WEB, WebClients
+from pcaccess.project.network import DEFAULT_ENDPOINT, DEFAULT_WEB, WebClients
 from pcaccess.s7200.address import Address
 from pcaccess.s7200.cpu import CpuModel
 from pcaccess.s7200.types import DataType
@@ -343,7 +343,7 @@ class DynamicItems:
 
 @dataclass(frozen=True, slots=True)
 class Server:
-    endpoint: str = "opc.tcp://127.0.0.1:4840/pcaccess"
+    endpoint: str = DEFAULT_ENDPOINT
     read_timeout: float = 2.0
     """Longest wait for a device read that a client's Read asked for."""
     web: str | None = DEFAULT_WEB

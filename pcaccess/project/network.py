@@ -29,8 +29,8 @@ class WebClients(Enum):
     WRITERS = "anyone may read and write"
 
 
+DEFAULT_ENDPOINT: Final = "opc.tcp://127.0.0.1:4840/pcaccess"
 DEFAULT_WEB: Final = "127.0.0.1:8080"
-_NO_USERS: Final = "This version has no users and no certificates, so it serves this machine only"
 _OFF: Final = ("off", "false", "no")
 _ON: Final = ("on", "true", "yes")
 _HOST: Final = re.compile(r"[A-Za-z0-9]([A-Za-z0-9_-]*[A-Za-z0-9])?(\.[A-Za-z0-9]([A-Za-z0-9_-]*[A-Za-z0-9])?)*")
@@ -42,7 +42,9 @@ def check_server_endpoint(text: str) -> str:
     host = check_endpoint(text)
     if not is_loopback(host):
         raise OpenEndpointError(
-            f"{text} would be open to everybody on the network. {_NO_USERS}", "opc.tcp://127.0.0.1:4840/pcaccess"
+            f"{text} would be open to everybody on the network. This version has no users and no certificates, "
+            "so it serves this machine only",
+            DEFAULT_ENDPOINT,
         )
     return text
 

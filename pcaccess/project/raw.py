@@ -14,7 +14,7 @@ from typing import Annotated, Any, Final, Literal
 from pydantic import Field
 
 from pcaccess.project.durations import PATTERN
-from pcaccess.project.network import DEFAULT_WEB, WebClients
+from pcaccess.project.network import DEFAULT_ENDPOINT, DEFAULT_WEB, WebClients
 from pcaccess.project.rawitems import (
     FOLDERS,
     ITEMS,
@@ -267,7 +267,7 @@ class RawServer(Raw):
     """The OPC UA server and the web server."""
 
     endpoint: Annotated[str, Field(description="Where clients find it; for now only on this machine (127.0.0.1).")] = (
-        "opc.tcp://127.0.0.1:4840/pcaccess"
+        DEFAULT_ENDPOINT
     )
     web: Annotated[
         str,

@@ -69,6 +69,17 @@ def test_the_end_does_not_wait_for_a_reader_who_takes_nothing(pipe: tuple[int, i
     writer.close()  # a test that hangs has failed
 
 
+def test_a_stream_that_does_not_wait_is_not_asked_again_and_again(pipe: tuple[int, io.TextIOWrapper]) -> None:
+    out, stream = pipe
+    os.set_blocking(stream.fileno(), False)
+    writer = LogWriter(stream)
+    for n in range(900):  # 90 kB, more than a pipe holds
+        logger_of(writer).error("%03d %s", n, "x" * 100)
+    writer.close()
+    assert not writer._thread.is_alive()  # though nobody read
+    assert "ERROR plant: 000" in read(out)
+
+
 def test_a_stream_without_a_reader_is_no_trouble(pipe: tuple[int, io.TextIOWrapper]) -> None:
     out, into = os.pipe()
     os.close(out)
