@@ -38,7 +38,8 @@ class _Exchange:
     taken: asyncio.Future[str]
     """Empty once it runs, else why it never will."""
 
-    def refuse(self, why: str) -> None:
+    def settle(self, why: str) -> None:
+        """The first call counts."""
         if not self.taken.done():
             self.taken.set_result(why)
 
@@ -58,11 +59,11 @@ class ScanningPlc:
         self.giving = asyncio.Lock()
         """For who gives it a program, so that of two the later one runs in the end."""
         self._ended = False
+        """Nobody scans any more, so nobody would answer."""
         self._failed = False
         """It scans nothing until somebody starts it or gives it another program."""
         self._new: _Exchange | None = None
         """In the first scan of a program."""
-        """Nobody scans any more, so nobody would answer."""
         self._exchange: _Exchange | None = None
         self.cpu = Cpu(
             plc.cpu,
@@ -95,11 +96,11 @@ class ScanningPlc:
         """
         loop = asyncio.get_running_loop()
         if self._exchange is not None:
-            self._exchange.refuse("another program came before this one was compiled")
+            self._exchange.settle("another program came before this one was compiled")
         self._program = program
         self._exchange = _Exchange(loop.run_in_executor(None, self.cpu.prepare, program), loop.create_future())
         if self._ended:
-            self._exchange.refuse("the PLC is gone")
+            self._exchange.settle("the PLC is gone")
         return self._exchange.taken
 
     def _take_exchange(self) -> _Exchange | None:
@@ -110,7 +111,7 @@ class ScanningPlc:
         error = exchange.prepared.exception()
         if error is not None:  # a checked program that cannot be compiled is our own mistake
             log.error("%s goes on with its old program", self.plc.item_id, exc_info=error)
-            exchange.refuse("it cannot be compiled; the log of pcaccess run says why")
+            exchange.settle("it cannot be compiled; the log of pcaccess run says why")
             return None
         prepared = exchange.prepared.result()
         self.cpu.take(prepared, keep_memory=True)
@@ -163,7 +164,7 @@ class ScanningPlc:
             self._answer(Outcome.DEVICE_FAILURE)
             self.cpu.close()
             if self._exchange is not None:
-                self._exchange.refuse("the PLC is gone")
+                self._exchange.settle("the PLC is gone")
 
     def _fail(self) -> None:
         """In the handler of an exception. Our own fault, not the program's: it must cost this PLC only, until it is
@@ -174,7 +175,7 @@ class ScanningPlc:
         self._sink.lost(self.plc.item_id, Quality.DEVICE_FAILURE)
         self._answer(Outcome.DEVICE_FAILURE)
         if self._new is not None:
-            self._new.refuse("the CPU failed with it; the log of pcaccess run says more")
+            self._new.settle("the CPU failed with it; the log of pcaccess run says more")
 
     def scan(self) -> None:
         """One scan, and everything that follows from it."""
@@ -187,8 +188,8 @@ class ScanningPlc:
         if self.plc.connected:
             self._sink.received(self.plc.item_id, memoryview(self.cpu.memory)[:MEMORY_SIZE])
         self._answer(Outcome.DONE)
-        if self._new is not None and not self._new.taken.done():
-            self._new.taken.set_result("")
+        if self._new is not None:
+            self._new.settle("")
         self._tell_errors()
 
     def _answer(self, outcome: Outcome) -> None:
