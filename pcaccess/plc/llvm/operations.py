@@ -76,7 +76,7 @@ def constant(value: Value) -> str:
     """How LLVM writes a constant."""
     number = value.constant
     if value.type.real:
-        return "0x" + struct.pack(">d", number).hex().upper()
+        return _double(number)  # type: ignore[arg-type]
     return str(int(number))  # type: ignore[arg-type]
 
 
@@ -128,7 +128,7 @@ class Writer:
         self._load(op.out, self.line(f"getelementptr i8, ptr %m, i64 {op.at}"))
 
     def load_from(self, op: ir.LoadFrom) -> None:
-        self._load(op.out, self.line(f"getelementptr i8, ptr %m, i32 {self._names[op.address.index]}"))
+        self._load(op.out, self._pointer(op.address))
 
     def _load(self, out: Value, pointer: str) -> None:
         kind, n = out.type, self._next
@@ -151,7 +151,7 @@ class Writer:
         self._store(op.value, self.line(f"getelementptr i8, ptr %m, i64 {op.at}"))
 
     def store_to(self, op: ir.StoreTo) -> None:
-        self._store(op.value, self.line(f"getelementptr i8, ptr %m, i32 {self._names[op.address.index]}"))
+        self._store(op.value, self._pointer(op.address))
 
     def _store(self, value: Value, pointer: str) -> None:
         kind, name = value.type, self._names[value.index]
