@@ -11,7 +11,7 @@ See:      ``docs/problems/CODE.md`` for a wrong and a right example of each code
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from enum import Enum
 from pathlib import Path
@@ -138,6 +138,11 @@ def nearest_words(word: str, words: Iterable[str], most: int) -> list[str]:
     longer = sorted((w for w in by_folded if len(folded) > 1 and w.startswith(folded)), key=len)
     close = difflib.get_close_matches(folded, by_folded, most, cutoff=0.6)
     return [by_folded[w] for w in dict.fromkeys((*longer, *close))][:most]
+
+
+def either(words: Sequence[str]) -> str:
+    """``a, b or c``"""
+    return " or ".join(filter(None, (", ".join(words[:-1]), words[-1])))
 
 
 def render(problem: Problem, text: str | None = None) -> str:

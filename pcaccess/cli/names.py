@@ -18,7 +18,7 @@ from asyncua.ua.status_codes import StatusCodes
 
 from pcaccess.cli.remote import Child, Remote, status_text
 from pcaccess.cli.values import TYPES
-from pcaccess.problems import nearest_words
+from pcaccess.problems import either, nearest_words
 from pcaccess.project.names import RunTimeNameError, parse_run_time_name
 
 NEAREST: Final = 3
@@ -214,7 +214,7 @@ async def _unknown(remote: Remote, name: str, status: int, *, helped: bool) -> U
         more = "; patterns are for read and watch"
     elif remote.items is not None and not helped:
         near = await nearest(remote, name)
-    guess = f"; did you mean {_or(near)}?" if near else ""
+    guess = f"; did you mean {either(near)}?" if near else ""
     return Unknown(name, status, f"there is no item {shown}{more}{guess}")
 
 
@@ -224,10 +224,6 @@ def _why_not(run_time_name: str) -> str:
     except RunTimeNameError as error:
         return str(error)
     return "no PLC here has that station and address, or the project allows no such dynamic item"
-
-
-def _or(words: Sequence[str]) -> str:
-    return " or ".join(filter(None, (", ".join(words[:-1]), words[-1])))
 
 
 async def nearest(remote: Remote, name: str) -> list[str]:

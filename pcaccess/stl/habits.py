@@ -13,6 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Final, NamedTuple
 
+from pcaccess.problems import either
 from pcaccess.s7200.address import AddressError, Width, parse_address
 from pcaccess.stl.definitions import DEFINITIONS
 
@@ -105,10 +106,10 @@ def _family(mnemonic: str, operands: Sequence[str]) -> Advice | None:
     widths = [width for text in operands if (width := _width(text)) is not None]
     if mnemonic in _BIT_WORDS and (not widths or Width.BIT in widths):
         right = _BIT_WORDS[mnemonic]
-        return Advice(f"{right} for bits; {_or(member.members)} for values", right)
+        return Advice(f"{right} for bits; {either(member.members)} for values", right)
     of_widths = [member.members[0][:-1] + _LETTER_OF[width] for width in widths if width in _LETTER_OF]
     by_operand = next((one for one in of_widths if one in member.members), None)
-    return Advice(_or(member.members), member.right or by_operand)
+    return Advice(either(member.members), member.right or by_operand)
 
 
 def _width(text: str) -> Width | None:
@@ -132,7 +133,7 @@ def _compare(mnemonic: str, operands: Sequence[str]) -> Advice | None:
     load, letter = ("A" if match["load"] == "U" else match["load"]), match["type"]
     letter = {"I": "W", "DI": "D", "DW": "D"}.get(letter, letter)
     stem = load + letter
-    every = _or([stem + sign for sign in _OPPOSITES if stem + sign in DEFINITIONS])
+    every = either([stem + sign for sign in _OPPOSITES if stem + sign in DEFINITIONS])
     written = match["sign"] or next((word for word in operands if set(word) <= set("=<>!")), "")
     sign = _SIGNS.get(written, written)
     if match["not"]:
@@ -241,7 +242,3 @@ _WORDS: Final[Mapping[str, Advice]] = MappingProxyType(
 )
 BITS_ELSEWHERE: Final[Mapping[str, Advice]] = MappingProxyType({"SET": _WORDS["LATCH"], "CLR": _WORDS["RST"]})
 """Words with a bit behind them. On an S7-300 they stand alone and mean something else."""
-
-
-def _or(words: Sequence[str]) -> str:
-    return " or ".join(filter(None, (", ".join(words[:-1]), words[-1])))
