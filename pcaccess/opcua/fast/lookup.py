@@ -9,6 +9,7 @@ Source:   OPC UA Part 6, 5.2.2.9 NodeId (encoding 3 is a string: 03, namespace, 
 from __future__ import annotations
 
 import struct
+from collections.abc import Iterable
 from typing import Final
 from weakref import WeakKeyDictionary
 
@@ -89,18 +90,27 @@ class Lookup:
         self._station_numbers.clear()
         self._removals = self._gateway.table.removals
 
-    def refresh(self) -> None:
+    def _refresh(self) -> None:
         """Before a look-up: forget what is no longer true."""
         if self._removals != self._gateway.table.removals:
             self.forget()
 
     # ------------------------------------------------------------------ names
 
-    def resolve(self, encoded: bytes, registered: Registered) -> int:
-        """Row of an encoded NodeId, ``UNKNOWN_NODE`` or ``FOREIGN``.
+    def resolve_few(self, nodes: Iterable[bytes], registered: Registered) -> list[int] | None:
+        """The rows of encoded NodeIds, ``UNKNOWN_NODE`` where there is none. None: asyncua must decide.
 
         ``registered``: the handles of the session that asks.
         """
+        self._refresh()
+        removals = self._gateway.table.removals
+        rows = [self._resolve(node, registered) for node in nodes]
+        if FOREIGN in rows or self._gateway.table.removals != removals:  # making one dynamic item ended another
+            return None
+        return rows
+
+    def _resolve(self, encoded: bytes, registered: Registered) -> int:
+        """Row of an encoded NodeId, ``UNKNOWN_NODE`` or ``FOREIGN``."""
         known = self._names.get(encoded)
         if known is not None:
             return known
@@ -118,7 +128,7 @@ class Lookup:
 
         None: asyncua must decide. Each piece is looked up as it is, so a row means that it is one whole NodeId.
         """
-        self.refresh()
+        self._refresh()
         removals = self._gateway.table.removals
         rows = self._shelves.rows(data, starts, ends - starts)
         missing = np.flatnonzero(rows == MISSING)

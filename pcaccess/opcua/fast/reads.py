@@ -17,7 +17,7 @@ import numpy as np
 
 from pcaccess.gateway.gateway import Gateway
 from pcaccess.opcua.fast.columns import Marker, Positions
-from pcaccess.opcua.fast.lookup import FOREIGN, TEXT, Lookup
+from pcaccess.opcua.fast.lookup import TEXT, Lookup
 from pcaccess.opcua.fast.plans import Plans
 from pcaccess.opcua.fast.readplans import ReadPlan, make_plan
 from pcaccess.opcua.limits import MAX_NODES_PER_READ
@@ -104,9 +104,5 @@ class Reads:
         encoded = asked[_HEAD.size :].split(_PLAIN)
         if len(encoded) != count + 1 or encoded.pop():
             return None
-        self._lookup.refresh()
-        removals = self._table.removals
-        rows = [self._lookup.resolve(node, registered) for node in encoded]
-        if FOREIGN in rows or self._table.removals != removals:  # making one dynamic item ended another
-            return None
-        return rows, any(node[0] != TEXT for node in encoded)
+        rows = self._lookup.resolve_few(encoded, registered)
+        return None if rows is None else (rows, any(node[0] != TEXT for node in encoded))

@@ -21,7 +21,7 @@ from pcaccess.gateway.bulk import write_few
 from pcaccess.gateway.gateway import Gateway
 from pcaccess.links.base import Outcome
 from pcaccess.opcua.fast.bulkwrites import BulkWrite, read_bulk
-from pcaccess.opcua.fast.lookup import DYNAMIC, FOREIGN, VERBATIM, WRITABLE, Lookup
+from pcaccess.opcua.fast.lookup import DYNAMIC, VERBATIM, WRITABLE, Lookup
 from pcaccess.opcua.fast.writerequest import (
     CODECS,
     COUNT,
@@ -102,12 +102,8 @@ class Writes:
             encoded.append(piece[shape.end :])
         if encoded.pop():
             return None
-        self._lookup.refresh()
-        removals = self._gateway.table.removals
-        rows = [self._lookup.resolve(node, registered) for node in encoded]
-        if FOREIGN in rows or self._gateway.table.removals != removals:  # making one dynamic item ended another
-            return None
-        return self._check_few(rows, types, values)
+        rows = self._lookup.resolve_few(encoded, registered)
+        return None if rows is None else self._check_few(rows, types, values)
 
     def _check_few(self, rows: list[int], types: list[int], values: list[bytes]) -> WriteRequest:
         """Refuse what the item is not for: access, then type, as asyncua's path does."""
