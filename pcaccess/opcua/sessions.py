@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import secrets
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from asyncua import ua
@@ -132,35 +132,33 @@ class Session(InternalSession):
         if self.external and not self._owns(subscription_id):
             raise ServiceError(StatusCodes.BadSubscriptionIdInvalid)
 
+    def _check_items(self, subscription_id: int, operations: Sequence[object] | None) -> None:
+        """What every service on monitored items asks first."""
+        self._check_owner(subscription_id)
+        if self.external:
+            check_operations(operations, limits.MAX_MONITORED_ITEMS_PER_CALL)
+
     async def create_monitored_items(
         self, params: ua.CreateMonitoredItemsParameters
     ) -> list[ua.MonitoredItemCreateResult]:
-        self._check_owner(params.SubscriptionId)
-        if self.external:
-            check_operations(params.ItemsToCreate, limits.MAX_MONITORED_ITEMS_PER_CALL)
-            if self.registered:
-                for item in params.ItemsToCreate:
-                    (item.ItemToMonitor,) = self._resolved([item.ItemToMonitor])
+        self._check_items(params.SubscriptionId, params.ItemsToCreate)
+        if self.external and self.registered:
+            for item in params.ItemsToCreate:
+                (item.ItemToMonitor,) = self._resolved([item.ItemToMonitor])
         return await super().create_monitored_items(params)
 
     async def modify_monitored_items(
         self, params: ua.ModifyMonitoredItemsParameters
     ) -> list[ua.MonitoredItemModifyResult]:
-        self._check_owner(params.SubscriptionId)
-        if self.external:
-            check_operations(params.ItemsToModify, limits.MAX_MONITORED_ITEMS_PER_CALL)
+        self._check_items(params.SubscriptionId, params.ItemsToModify)
         return await super().modify_monitored_items(params)
 
     async def delete_monitored_items(self, params: ua.DeleteMonitoredItemsParameters) -> list[ua.StatusCode]:
-        self._check_owner(params.SubscriptionId)
-        if self.external:
-            check_operations(params.MonitoredItemIds, limits.MAX_MONITORED_ITEMS_PER_CALL)
+        self._check_items(params.SubscriptionId, params.MonitoredItemIds)
         return await super().delete_monitored_items(params)
 
     async def set_monitoring_mode(self, params: ua.SetMonitoringModeParameters) -> list[ua.StatusCode]:
-        self._check_owner(params.SubscriptionId)
-        if self.external:
-            check_operations(params.MonitoredItemIds, limits.MAX_MONITORED_ITEMS_PER_CALL)
+        self._check_items(params.SubscriptionId, params.MonitoredItemIds)
         return await super().set_monitoring_mode(params)
 
     def modify_subscription(self, params: ua.ModifySubscriptionParameters) -> ua.ModifySubscriptionResult:
