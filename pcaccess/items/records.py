@@ -24,8 +24,6 @@ MASK_STATUS: Final = 0x02
 MASK_SOURCE: Final = 0x04
 MASK_SERVER: Final = 0x08
 MASK_ALL: Final = MASK_VALUE | MASK_STATUS | MASK_SOURCE | MASK_SERVER
-TIMES_SIZE: Final = 8
-"""Bytes of one timestamp at the end of a record."""
 
 
 @dataclass(frozen=True, slots=True)
