@@ -25,8 +25,6 @@ from xml.sax.saxutils import escape
 from pcaccess.sheet.collect.records import CellValue
 from pcaccess.sheet.entries import SheetError
 
-MAX_ROWS: Final = 1_048_576
-"""Of a sheet of Excel."""
 PROPERTY: Final = "pcaccess.journal"
 """Custom property of the workbook: up to where it has which journal."""
 _CUSTOM: Final = "docProps/custom.xml"
@@ -57,14 +55,7 @@ class DamagedBook(SheetError):
     """The file is no workbook, or not a whole one."""
 
 
-@dataclass(frozen=True, slots=True)
-class Appended:
-    """Last row of each sheet that got some."""
-
-    last_rows: Mapping[str, int]
-
-
-def append_rows(book: Path, target: BinaryIO, rows: Mapping[str, NewRows], mark: str) -> Appended:
+def append_rows(book: Path, target: BinaryIO, rows: Mapping[str, NewRows], mark: str) -> None:
     """Copy ``book`` to ``target`` with ``rows`` at the end of the sheets they are for.
 
     ``mark``: what :func:`mark_of` finds then.
@@ -78,7 +69,6 @@ def append_rows(book: Path, target: BinaryIO, rows: Mapping[str, NewRows], mark:
                 "was renamed; name another file"
             )
         growing = {parts[sheet]: (sheet, some) for sheet, some in rows.items()}
-        last_rows = {}
         try:
             for info in old.infolist():
                 fresh = zipfile.ZipInfo(info.filename, info.date_time)
@@ -88,14 +78,12 @@ def append_rows(book: Path, target: BinaryIO, rows: Mapping[str, NewRows], mark:
                         sheet, some = growing[info.filename]
                         last = _last_of(old, info.filename)
                         _copy_sheet(source, sink, some, last, f"{book}, sheet {sheet}")
-                        last_rows[sheet] = last + some.count
                     elif info.filename == _CUSTOM:
                         sink.write(_marked(source.read(), mark))
                     else:
                         shutil.copyfileobj(source, sink, _CHUNK)
         except (zipfile.BadZipFile, zlib.error, EOFError) as error:
             raise _damaged(book, error) from None
-    return Appended(last_rows)
 
 
 def check_book(book: Path) -> None:

@@ -53,8 +53,6 @@ class Store:
     """That this workbook has."""
     merged: int
     """Up to where in the journal it has them."""
-    saved: int = 0
-    """Rows that this run put into workbooks."""
     books: list[Path] = field(default_factory=list)
     """Workbooks that were written."""
 
@@ -80,7 +78,6 @@ class Store:
             stop, rows, events = self._portion(end)
             self._save_portion(stop, rows, events)
             self.rows += rows
-            self.saved += rows
             done += rows
             self.merged = stop
             if self.book not in self.books:

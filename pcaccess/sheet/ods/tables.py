@@ -17,7 +17,6 @@ from pcaccess.sheet.ods.xml import element, text
 CSV_FILTER: Final = "Text - txt - csv (StarCalc)"
 CSV_OPTIONS: Final = "44,34,76,1,,1033,false,true,false,false,false,-1"
 """Commas, quotes, UTF-8, from line 1, English (US), numbers and times are recognised."""
-MAX_ROW: Final = 1_048_576
 
 
 @dataclass(frozen=True, slots=True)

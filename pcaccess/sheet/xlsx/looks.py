@@ -19,7 +19,6 @@ CODE: Final = Font(name="Consolas", size=10)
 HEAD_FILL: Final = PatternFill("solid", start_color=DARK)
 INPUT_FILL: Final = PatternFill("solid", start_color="FFF6CC")
 LINE: Final = Border(bottom=Side(style="hair", color="B8C4CA"))
-TIME_FORMAT: Final = "yyyy-mm-dd hh:mm:ss"
 
 _BAD: Final = DifferentialStyle(Font(bold=True, color="A01522"), fill=PatternFill("solid", bgColor="F9D6D9"))
 _UNCERTAIN: Final = DifferentialStyle(Font(color="7A5600"), fill=PatternFill("solid", bgColor="FFF0C2"))
