@@ -22,6 +22,15 @@ class Program(StrEnum):
     EXCEL = "excel"
 
 
+def column_letters(column: int) -> str:
+    """Of a column's number, from 1."""
+    letters = ""
+    while column:
+        column, letter = divmod(column - 1, 26)
+        letters = chr(65 + letter) + letters
+    return letters
+
+
 def quoted(text: str) -> str:
     """A text in a formula."""
     return '"' + text.replace('"', '""') + '"'

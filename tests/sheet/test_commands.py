@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 import pytest
 from openpyxl import load_workbook
 
-from pcaccess.sheet.collect.append import column_letters
+from pcaccess.sheet.formulas import column_letters
 from tests.sheet.conftest import EXAMPLE, PATIENCE, Gateway, done, pcaccess
 
 PROJECT = ("--project", str(EXAMPLE / "items.yaml"))

@@ -24,6 +24,7 @@ from xml.sax.saxutils import escape
 
 from pcaccess.sheet.collect.records import CellValue
 from pcaccess.sheet.entries import SheetError
+from pcaccess.sheet.formulas import column_letters
 
 PROPERTY: Final = "pcaccess.journal"
 """Custom property of the workbook: up to where it has which journal."""
@@ -220,15 +221,6 @@ def _column_styles(head: bytes) -> dict[int, str]:
             first, last = int(found[b"min"]), min(int(found.get(b"max") or found[b"min"]), 16_384)
             styles |= dict.fromkeys(range(first, last + 1), found[b"style"].decode())
     return styles
-
-
-def column_letters(column: int) -> str:
-    """Of a column's number, from 1."""
-    letters = ""
-    while column:
-        column, letter = divmod(column - 1, 26)
-        letters = chr(65 + letter) + letters
-    return letters
 
 
 def _row_xml(number: int, cells: Cells, styles: Mapping[int, str]) -> bytes:

@@ -19,8 +19,9 @@ from openpyxl.packaging.custom import StringProperty
 from openpyxl.utils.exceptions import InvalidFileException
 from openpyxl.worksheet.worksheet import Worksheet
 
-from pcaccess.sheet.collect.append import PROPERTY, DamagedBook, column_letters
+from pcaccess.sheet.collect.append import PROPERTY, DamagedBook
 from pcaccess.sheet.entries import Chosen, Entry, SheetError
+from pcaccess.sheet.formulas import column_letters
 from pcaccess.sheet.xlsx import looks
 
 VALUES: Final = "Values"

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from pcaccess.sheet.entries import Chosen, Entry
-from pcaccess.sheet.formulas import calc_quality, calc_quality_name, calc_time, calc_value
+from pcaccess.sheet.formulas import calc_quality, calc_quality_name, calc_time, calc_value, column_letters
 from pcaccess.sheet.links import source_path
 from pcaccess.sheet.ods.charts import LineChart
 from pcaccess.sheet.ods.tables import Button, Cell, Column, Condition, Frame, LinkedArea, Row, Sheet
@@ -163,16 +163,6 @@ def write_sheet(book: Book) -> Sheet:
     )
 
 
-def _log_column(place: int) -> str:
-    """Letters of a column by its place, from 0."""
-    letters = ""
-    place += 1
-    while place:
-        place, letter = divmod(place - 1, 26)
-        letters = chr(65 + letter) + letters
-    return letters
-
-
 def log_sheet(book: Book) -> Sheet:
     entries = book.chosen.readable
     titles = [Cell("Time", "Title row")]
@@ -183,7 +173,7 @@ def log_sheet(book: Book) -> Sheet:
         columns += [Column(round(width, 1)), Column(1.8)]
     conditions = []
     if entries:
-        last = _log_column(2 * len(entries))
+        last = column_letters(2 * len(entries) + 1)
         # Even columns hold values, with their quality to the right; odd ones qualities.
         code = "IF(ISEVEN(COLUMN([.B2]));[.C2];[.B2])"
         rules = [(f"AND(ISNUMBER({code});{rule.format(code)})", style) for rule, style in _QUALITY_RULES]
@@ -198,7 +188,7 @@ _TREND_TITLE: Final = 34
 def _charted_columns(book: Book) -> list[tuple[Entry, str]]:
     """Entries of the chart and their columns in the log."""
     readable = book.chosen.readable
-    return [(entry, _log_column(1 + 2 * readable.index(entry))) for entry in book.chosen.charted]
+    return [(entry, column_letters(2 + 2 * readable.index(entry))) for entry in book.chosen.charted]
 
 
 def line_chart(book: Book) -> LineChart | None:
@@ -208,7 +198,7 @@ def line_chart(book: Book) -> LineChart | None:
     first, last = _TREND_TITLE + 1, _TREND_TITLE + TREND
 
     def area(column: int, low: int, high: int) -> str:
-        letters = _log_column(column)
+        letters = column_letters(column + 1)
         return f"Chart.{letters}{low}:Chart.{letters}{high}"
 
     lines = [(area(n + 1, _TREND_TITLE, _TREND_TITLE), area(n + 1, first, last)) for n in range(count)]
@@ -233,7 +223,7 @@ def chart_sheet(book: Book, chart: LineChart | None) -> Sheet:
         rows.append(Row(cells))
     conditions = []
     if charted:
-        area = f"B{_TREND_TITLE + 1}:{_log_column(len(charted))}{_TREND_TITLE + TREND}"
+        area = f"B{_TREND_TITLE + 1}:{column_letters(len(charted) + 1)}{_TREND_TITLE + TREND}"
         conditions.append(Condition(area, [(f"ISNA([.B{_TREND_TITLE + 1}])", "Faint")]))
     frame = Frame(CHART, chart.ranges, 0.2, 1.9, chart.width, chart.height) if chart else None
     return Sheet(
