@@ -11,9 +11,10 @@ import typer
 
 from pcaccess.cli.endpoint import PROJECT_FILE
 from pcaccess.cli.options import AsJson, MaxSize
-from pcaccess.cli.output import counted, json_list, show, show_problems, write_file
+from pcaccess.cli.output import json_list, show, show_problems, write_file
 from pcaccess.cli.projects import content_of, load_all
 from pcaccess.cli.streams import put
+from pcaccess.counting import counted
 
 if TYPE_CHECKING:
     from pcaccess.problems import Problem

@@ -11,9 +11,10 @@ import typer
 from pcaccess.cli.endpoint import PROJECT_FILE
 from pcaccess.cli.failures import Failed
 from pcaccess.cli.options import AsJson, MaxSize, known_encoding
-from pcaccess.cli.output import counted, json_line, note, show, show_problems, working, write_file
+from pcaccess.cli.output import json_line, note, show, show_problems, working, write_file
 from pcaccess.cli.projects import load
 from pcaccess.cli.streams import put
+from pcaccess.counting import counted
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

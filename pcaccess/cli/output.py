@@ -11,7 +11,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, Final
 
 from rich.cells import cell_len
@@ -112,19 +111,6 @@ def as_cell(cell: str | Cell) -> Cell:
 def _pad(text: str, width: int, right: bool) -> str:
     blanks = " " * (width - cell_len(text))
     return blanks + text if right else text + blanks
-
-
-_PLURALS: Final = MappingProxyType({"plcs": "PLCs"})
-
-
-def counted(counts: Mapping[str, int], *names: str) -> str:
-    """``1 link, 2 PLCs, 14 items``; what there is none of is left out."""
-    return ", ".join(_number(counts[name], name) for name in names if counts.get(name))
-
-
-def _number(count: int, name: str) -> str:
-    words = _PLURALS.get(name, name)
-    return f"{count:,} {words.removesuffix('s') if count == 1 else words}"
 
 
 # ---------------------------------------------------------------------- problems

@@ -12,8 +12,9 @@ import typer
 from pcaccess.cli import control
 from pcaccess.cli.failures import Failed
 from pcaccess.cli.options import AsJson, Execution, duration, known_encoding
-from pcaccess.cli.output import counted, json_list, note, show, show_problems, write_file
+from pcaccess.cli.output import json_list, note, show, show_problems, write_file
 from pcaccess.cli.streams import put, stdout_console
+from pcaccess.counting import counted
 
 if TYPE_CHECKING:
     from pcaccess.cli.scanning import View

@@ -8,7 +8,7 @@ from typing import Any
 
 import typer
 
-from pcaccess.cli.output import counted
+from pcaccess.counting import counted
 from pcaccess.problems import Problem, Span
 from pcaccess.s7200.cpu import CpuError, CpuModel, cpu_model
 from pcaccess.stl.checker import check_program

@@ -16,9 +16,10 @@ from pcaccess.cli.endpoint import PROJECT_FILE
 from pcaccess.cli.failures import Failed
 from pcaccess.cli.logs import set_up_logging
 from pcaccess.cli.options import AsJson, MaxSize, check_listen, check_url
-from pcaccess.cli.output import counted, json_line, note, show, show_problems
+from pcaccess.cli.output import json_line, note, show, show_problems
 from pcaccess.cli.projects import content_of, load_all
 from pcaccess.cli.streams import NoReader
+from pcaccess.counting import counted
 
 if TYPE_CHECKING:
     from pcaccess.cli.serving import Addresses

@@ -12,10 +12,11 @@ from rich.console import Console, Group
 from rich.live import Live
 from rich.text import Text
 
-from pcaccess.cli.output import GAP, Cell, Column, Row, counted, json_line, note, rich_table
+from pcaccess.cli.output import GAP, Cell, Column, Row, json_line, note, rich_table
 from pcaccess.cli.streams import put_now
 from pcaccess.cli.values import json_value, value_text
 from pcaccess.clock import Clock
+from pcaccess.counting import counted
 from pcaccess.items.varianttypes import VARIANT_TYPES
 from pcaccess.links.scanning import LOOPS, SHORTEST_PAUSE
 from pcaccess.plc.cpu import Cpu

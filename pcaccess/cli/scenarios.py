@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from pcaccess.cli.execution import Executions
-from pcaccess.cli.output import counted
+from pcaccess.counting import counted
 from pcaccess.plc.interpreter import Interpreter
 from pcaccess.plc.scenario import load_scenario
 from pcaccess.plc.testrun import Outcome, is_worth_compiling, junit, run_scenario

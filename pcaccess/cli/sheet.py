@@ -11,8 +11,9 @@ import typer
 from pcaccess.cli.endpoint import PROJECT_FILE, default_web
 from pcaccess.cli.failures import Failed
 from pcaccess.cli.options import AsJson, MaxSize, duration
-from pcaccess.cli.output import counted, json_line, note, show
+from pcaccess.cli.output import json_line, note, show
 from pcaccess.cli.projects import load
+from pcaccess.counting import counted
 
 if TYPE_CHECKING:
     from pcaccess.sheet.entries import Chosen

@@ -10,9 +10,10 @@ from rich.console import Console, Group
 from rich.live import Live
 from rich.text import Text
 
-from pcaccess.cli.output import GAP, Row, as_cell, complain, counted, json_line, note, rich_table
+from pcaccess.cli.output import GAP, Row, as_cell, complain, json_line, note, rich_table
 from pcaccess.cli.samples import COLUMNS, Shown
 from pcaccess.cli.streams import put_now
+from pcaccess.counting import counted
 from pcaccess.project.durations import format_duration
 
 REFRESH: Final = 10.0

@@ -15,6 +15,7 @@ from datetime import datetime
 from typing import Any, Final, Protocol
 
 from pcaccess.clock import Clock
+from pcaccess.counting import counted
 from pcaccess.items.quality import Quality
 from pcaccess.sheet.client import Gone
 from pcaccess.sheet.collect.records import CellValue, EventRecord, RowRecord, Sample
@@ -58,7 +59,7 @@ class Collector:
         """Collect until the time is over or ``stop`` is set; then save. Raises SheetError when it cannot even begin."""
         self._last = [Sample(None, Quality.WAITING_FOR_INITIAL_DATA.code, None)] * len(self.entries)
         first = await self._samples()
-        self._note(f"began: {len(self.entries)} items every {every:g} s")
+        self._note(f"began: {counted({'items': len(self.entries)}, 'items') or 'no items'} every {every:g} s")
         self._next_save = self.clock.monotonic() + min(SAVE_EVERY, 5.0)
         async with asyncio.TaskGroup() as tasks:
             ticking = tasks.create_task(self._tick(first, every, duration, tasks))
@@ -67,7 +68,8 @@ class Collector:
             interrupted = not ticking.done()
             ticking.cancel()
             stopping.cancel()
-        self._note(f"ended{' (interrupted)' if interrupted else ''}: {self.rows:,} rows in this run")
+        rows = counted({"rows": self.rows}, "rows") or "no rows"
+        self._note(f"ended{' (interrupted)' if interrupted else ''}: {rows} in this run")
         await self._save(last=True)
 
     async def _tick(
