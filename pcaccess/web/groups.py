@@ -99,11 +99,7 @@ class Groups:
         ]
 
     def _group(self, request: Request) -> Group:
-        name = request.path_params["name"]
-        group = self._gateway.group(name)
-        if group is None:
-            raise Refusal("unknown-group", f"there is no group {name[:200]}", group=name)
-        return group
+        return known_group(self._gateway, request.path_params["name"])
 
     # ------------------------------------------------------------------ settings
 
@@ -170,6 +166,14 @@ class Groups:
             raise Refusal("bad-request", f"expected values, a list of {count} values in the group's order, or null")
         wanted = [(name, value) for name, value in zip(group.items, values, strict=True) if value is not None]
         return results_answer(await self._items.write_all(wanted))
+
+
+def known_group(gateway: Gateway, name: str) -> Group:
+    """The group of that name; refuses one that is not there."""
+    group = gateway.group(name)
+    if group is None:
+        raise Refusal("unknown-group", f"there is no group {name[:200]}", group=name)
+    return group
 
 
 def _source(request: Request) -> Source:

@@ -17,6 +17,7 @@ from pcaccess import __version__
 from pcaccess.gateway.gateway import Gateway
 from pcaccess.gateway.station import Station
 from pcaccess.items.quality import split_code
+from pcaccess.items.ticks import to_ticks
 from pcaccess.project.model import Access
 from pcaccess.s7200.types import DataType
 from pcaccess.web import shapes
@@ -24,7 +25,8 @@ from pcaccess.web.answers import Answer, json_answer
 from pcaccess.web.catalogue import Catalogue, Search
 from pcaccess.web.counts import Counts
 from pcaccess.web.endpoints import Endpoint, Parameter, only_parameters
-from pcaccess.web.formats import CSV, value_text
+from pcaccess.web.formats import CSV, iso_time, value_text
+from pcaccess.web.groups import known_group
 from pcaccess.web.refusals import Refusal
 from pcaccess.web.sockets import Sockets
 
@@ -73,7 +75,7 @@ class Health:
             {
                 "version": __version__,
                 "project": gateway.project.name,
-                "started": _iso(counts),
+                "started": iso_time(to_ticks(counts.started)),
                 "uptime_s": round((gateway.clock.now() - counts.started).total_seconds(), 3),
                 "items": len(gateway.table),
                 "dynamic_items": {"now": len(gateway.dynamic), "max": gateway.project.dynamic_items.max},
@@ -127,10 +129,7 @@ class Health:
     async def _wanted_rows(self, request: Request) -> list[int]:
         rows: dict[int, None] = {}
         for name in request.query_params.getlist("group"):
-            group = self._gateway.group(name)
-            if group is None:
-                raise Refusal("unknown-group", f"there is no group {name[:200]}", group=name)
-            rows.update((row, None) for row in group.rows() if row is not None)
+            rows.update((row, None) for row in known_group(self._gateway, name).rows() if row is not None)
         for words in request.query_params.getlist("filter"):
             rows.update((entry.row, None) for entry in await self._catalogue.find(Search(words[:200])))
         if len(rows) > MAX_SERIES:
@@ -216,10 +215,6 @@ def _number(value: float | str) -> str:
     if isinstance(value, str):
         return {"Infinity": "+Inf", "-Infinity": "-Inf"}.get(value, value)
     return str(int(value)) if value == int(value) and abs(value) < 1e15 else repr(float(value))
-
-
-def _iso(counts: Counts) -> str:
-    return f"{counts.started:%Y-%m-%dT%H:%M:%S}.{counts.started.microsecond // 1000:03d}Z"
 
 
 def _cpu_seconds() -> float:
