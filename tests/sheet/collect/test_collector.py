@@ -40,6 +40,13 @@ class Gateway:
         return [{"id": "L.P.Count", "value": self.count, "quality": 192, "source_timestamp": time}, on]
 
 
+class One(Gateway):
+    """A gateway asked for the first item only."""
+
+    def read(self, item_ids: Sequence[str]) -> list[dict[str, Any]]:
+        return super().read(item_ids)[:1]
+
+
 class Bench:
     """A collector, and a clock that jumps to whoever sleeps."""
 
@@ -90,6 +97,13 @@ async def test_a_row_at_every_tick_until_the_time_is_over(bench: Bench) -> None:
     assert bench.rows("Runs") == [("began: 2 items every 1 s",), ("ended: 5 rows in this run",)]
     assert (bench.collector.missed, bench.collector.failure) == (0, None)
     assert not journal_of(bench.book).exists()
+
+
+async def test_one_item_and_one_row_are_told_in_the_singular(bench: Bench) -> None:
+    bench.collector.entries = ENTRIES[:1]
+    bench.collector.reader = One()
+    await bench.run(1)
+    assert bench.told == ["began: 1 item every 1 s", "ended: 1 row in this run"]
 
 
 async def test_a_gateway_that_goes_leaves_its_last_values_with_comm_failure(bench: Bench) -> None:
